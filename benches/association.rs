@@ -132,6 +132,7 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             clutter_per_scan: Some(5.0 * scale * scale),
             clutter_per_deg: None,
             clutter_within_deg: None,
+            snr_db: None,
         }],
         targets: TargetPlan::Random(RandomTargets {
             count: targets,
@@ -291,6 +292,7 @@ fn dense_scene() -> (Scenario, Recording) {
         clutter_per_scan: Some(500.0),
         clutter_per_deg: None,
         clutter_within_deg: None,
+        snr_db: None,
     };
     let targets = RandomTargets {
         count: 100,

@@ -96,6 +96,7 @@ fn scene(side: u32) -> (Scenario, Recording) {
         clutter_per_scan: Some(f64::from(side * side) / 2.0),
         clutter_per_deg: None,
         clutter_within_deg: None,
+        snr_db: None,
     };
     let targets = TargetPlan::Listed {
         targets: (0..side * side).map(target).collect(),

@@ -182,6 +182,7 @@ fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
         ),
         clutter_per_deg: None,
         clutter_within_deg: None,
+        snr_db: None,
     };
     let targets = TargetPlan::Listed {
         targets: targets.to_vec(),

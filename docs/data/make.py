@@ -11,11 +11,12 @@ import csv
 import sys
 from pathlib import Path
 
+import cai_fuzzy
 import huo2008
 import liang2009
 
 COLUMNS = ["preset", "cell", "quantity", "value", "low", "high", "runs", "seed"]
-PAPERS = [liang2009, huo2008]
+PAPERS = [liang2009, cai_fuzzy, huo2008]
 
 
 def main(rows, out):

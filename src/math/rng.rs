@@ -32,6 +32,8 @@ pub enum Purpose {
     Correlator = 12,
     /// Layout, errors, order and false tracks of tracks that are drawn without detections.
     LocalTracks = 13,
+    /// How strong the echoes of a scan are: of a target, and of all false detections.
+    Amplitude = 14,
 }
 
 /// The seed of a job and the number of the run within it.

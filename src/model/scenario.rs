@@ -92,6 +92,10 @@ pub struct ScenarioSensor {
     /// With `clutter_per_deg`: false detections lie at most this far from the true bearing of a target.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clutter_within_deg: Option<f64>,
+    /// Mean signal-to-noise ratio of a target's echo, which fluctuates as Swerling 1 has it: with it detections have
+    /// amplitudes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub snr_db: Option<f64>,
 }
 
 impl ScenarioSensor {

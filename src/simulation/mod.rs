@@ -2,6 +2,7 @@
 
 mod bearing_time;
 mod coverage;
+mod echoes;
 mod local_tracks;
 mod radar;
 mod sensors;

@@ -4,6 +4,7 @@
 //! targets are close together each degree counts once.
 
 use super::coverage::Coverage;
+use super::echoes::Echoes;
 use super::targets::Path;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::angle::wrap;
@@ -48,6 +49,7 @@ pub(super) fn scan(
 ) -> Vec<Detection> {
     let mut found = Vec::new();
     let mut bearings_rad = Vec::new();
+    let echoes = Echoes::of(radar.sensor);
     for (index, path) in paths.iter().enumerate() {
         let point = path.point_at(time_s);
         if radar.coverage.includes(radar.index, index)
@@ -59,10 +61,12 @@ pub(super) fn scan(
             if draw.random::<f64>() < radar.sensor.p_d {
                 let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
                 let report = radar.report(&point, errors);
+                // A stream of its own: with amplitudes and without a scene is the same.
+                let mut strength = seed.stream(Purpose::Amplitude, entity, scan_index);
                 found.extend(report.map(|measurement| Detection {
                     measurement,
                     origin: seen[index],
-                    amplitude: None,
+                    amplitude: echoes.map(|echoes| echoes.of_target(&mut strength)),
                 }));
             }
         }
@@ -86,7 +90,9 @@ impl Radar<'_> {
         let Ok(count) = Poisson::new(sensor.mean_clutter()) else {
             return;
         };
+        let echoes = Echoes::of(sensor);
         let mut draw = seed.stream(Purpose::Clutter, self.index as u64, scan_index);
+        let mut strength = seed.stream(Purpose::Amplitude, self.all_noise(), scan_index);
         let number = count.sample(&mut draw) as u64;
         for _ in 0..number {
             let range_m = sensor.max_range_m.unwrap_or(0.0) * draw.random::<f64>().sqrt();
@@ -117,9 +123,14 @@ impl Radar<'_> {
             found.push(Detection {
                 measurement,
                 origin: None,
-                amplitude: None,
+                amplitude: echoes.map(|echoes| echoes.of_noise(&mut strength)),
             });
         }
+    }
+
+    /// The entity of all false detections of the sensor: no target of it has this number.
+    fn all_noise(&self) -> u64 {
+        ((self.index as u64) << 32) | u64::from(u32::MAX)
     }
 
     /// Whether a false detection is too far from every target.

@@ -35,6 +35,13 @@ pub(super) fn faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario)
                 .allowing("> 0 m"),
         );
     }
+    if sensor.snr_db.is_some() && scenario.record.is_some() {
+        let detail = "a detector tells how strong what it finds in a record is";
+        faults.push(
+            Fault::new(format!("/sensors/{index}/snr_db"), "conflict", detail)
+                .allowing("without 'record'"),
+        );
+    }
     faults.extend(clutter_faults(index, sensor));
     faults
 }

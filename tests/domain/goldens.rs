@@ -21,7 +21,10 @@ const DIGITS: usize = 11;
 const LONGEST_LIST: usize = 5;
 
 /// Presets that take seconds; what they run is run by others, too.
-const SLOW: [&str; 5] = [
+const SLOW: [&str; 8] = [
+    "cai-fuzzy-duplicates",
+    "cai-fuzzy-genetic",
+    "cai-fuzzy-starts",
     "cai-fuzzy-tables",
     "huo2008-integer-programming",
     "huo2008-size",

@@ -11,6 +11,7 @@ mod bearing_time;
 mod bearings;
 mod bounds;
 mod breaks;
+mod cai_claims;
 #[cfg(feature = "parquet")]
 mod campaign_parquet;
 mod campaigns;
@@ -39,6 +40,7 @@ mod polar;
 mod recordings;
 mod requests_again;
 mod right_values;
+mod segmentation;
 mod shared_gates;
 mod sonar;
 mod tfa_by_hand;

@@ -9,8 +9,8 @@
 //! x_k report k with covariance R_k, v_i centre i, u_ik membership; d² = (x_k − v_i)ᵀ R_k⁻¹ (x_k − v_i).
 //!
 //! # Method
-//! 1. The first centres: the predictions, the reports of one sensor, reports drawn at random, or the best of a genetic
-//!    search. Where c is not known, fuzzy c-means runs for each c of a range, and the one with the best validity index stays.
+//! 1. The first centres: the predictions, the reports of one sensor, reports drawn at random, those that fit memberships drawn
+//!    at random (the paper's U⁽⁰⁾), or the best of a genetic search. Where c is not known, fuzzy c-means runs for each c of a range, and the one with the best validity index stays.
 //! 2. Fuzzy c-means from there.
 //! 3. Each report to the cluster of its largest membership; or, with one report of a sensor in a group, for each sensor the
 //!    assignment of its reports to different clusters with the largest total membership. A report that gets none is a group
@@ -18,13 +18,14 @@
 
 mod parameters;
 
+use super::attributes::Attributes;
 use super::constrained_hard_c_means::with_groups_of_their_own;
 use super::{BuildGrouper, Grouper, Grouping, Place, SensorReport, Snapshot, by_sensor};
 use crate::math::fuzzy_c_means::genetic::{self, GeneticSettings};
 use crate::math::fuzzy_c_means::harden::{self, BySource};
 use crate::math::fuzzy_c_means::{
-    ClusteringResult, FuzzyCMeans, FuzzyCMeansSettings, FuzzyError, IterationState, Metric,
-    Objects, start, validity,
+    ClusteringResult, Fuzzifier, FuzzyCMeans, FuzzyCMeansSettings, FuzzyError, IterationState,
+    Metric, Objects, start, validity,
 };
 use crate::math::gaussian::Gaussian;
 use crate::math::rng::{Purpose, Seed};
@@ -70,7 +71,7 @@ pub struct Iteration {
     pub snapshot: u64,
     pub iteration: u32,
     pub cost: f64,
-    /// v_i: x and y of each centre.
+    /// v_i: x and y of each centre, or its attributes.
     pub centres: Vec<f64>,
     /// u_ik at `k * c + i`.
     pub memberships: Vec<f64>,
@@ -121,15 +122,17 @@ impl Grouper for FuzzyGrouper {
         self.parameters.initial == Initial::Predictions
     }
 
+    fn takes_attributes(&self) -> bool {
+        true
+    }
+
     fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
-        let values: Vec<f64> = snapshot
-            .reports
-            .iter()
-            .flat_map(|report| coordinates(&report.place))
-            .collect();
-        let inverses = inverse_covariances(snapshot.reports);
-        let objects = Objects::new(&values, &[false, false], Metric::Mahalanobis(&inverses))
-            .map_err(fault)?;
+        let (values, inverses) = values_and_inverses(snapshot);
+        let angles = snapshot
+            .described
+            .map_or(&[false, false][..], |described| described.angles);
+        let objects =
+            Objects::new(&values, angles, Metric::Mahalanobis(&inverses)).map_err(fault)?;
         let (centres, spent) = self.first_centres(snapshot, &objects).map_err(fault)?;
         let run = match &mut self.history {
             None => self.clustering.run(&objects, &centres),
@@ -158,14 +161,10 @@ type FirstCentres = Result<(Vec<f64>, u32), FuzzyError>;
 impl FuzzyGrouper {
     fn first_centres(&mut self, snapshot: &Snapshot, objects: &Objects) -> FirstCentres {
         let clusters = match self.parameters.initial {
-            Initial::Predictions => {
-                return Ok((
-                    snapshot.predictions.iter().flat_map(coordinates).collect(),
-                    0,
-                ));
-            }
+            Initial::Predictions => return Ok((predicted_centres(snapshot), 0)),
             Initial::Sensor { clusters }
             | Initial::Random { clusters }
+            | Initial::Memberships { clusters }
             | Initial::Genetic { clusters, .. } => clusters,
         };
         match clusters {
@@ -199,11 +198,18 @@ impl FuzzyGrouper {
                 start::farthest_first(objects, count, &mut centres)?;
             }
             Initial::Random { .. } => start::random(objects, count, &mut draw, &mut centres)?,
+            Initial::Memberships { .. } => {
+                let mut memberships = Vec::new();
+                start::random_memberships(objects.len(), count, &mut draw, &mut memberships)?;
+                let fuzzifier = Fuzzifier::new(self.parameters.fuzzifier)?;
+                start::of_memberships(objects, fuzzifier, &memberships, &mut centres)?;
+            }
             Initial::Genetic {
                 population,
                 generations,
                 crossover_rate,
                 mutation_rate,
+                driven,
                 ..
             } => {
                 let settings = GeneticSettings {
@@ -211,6 +217,7 @@ impl FuzzyGrouper {
                     generations,
                     crossover_rate,
                     mutation_rate,
+                    is_driven: driven,
                 };
                 let found =
                     genetic::search(&mut self.clustering, objects, count, settings, &mut draw)?;
@@ -271,6 +278,37 @@ impl FuzzyGrouper {
             converged: outcome.converged,
         }
     }
+}
+
+fn predicted_centres(snapshot: &Snapshot) -> Vec<f64> {
+    match snapshot.described {
+        Some(described) => values_of(described.predictions),
+        None => snapshot.predictions.iter().flat_map(coordinates).collect(),
+    }
+}
+
+fn values_of(attributes: &[Attributes]) -> Vec<f64> {
+    attributes
+        .iter()
+        .flat_map(|of_one| of_one.values.iter().copied())
+        .collect()
+}
+
+/// What is clustered: attributes where they are given, else places; and the inverse covariance of each report.
+fn values_and_inverses(snapshot: &Snapshot) -> (Vec<f64>, Vec<f64>) {
+    let Some(described) = snapshot.described else {
+        let places = snapshot.reports.iter();
+        let values = places.flat_map(|report| coordinates(&report.place));
+        return (values.collect(), inverse_covariances(snapshot.reports));
+    };
+    let mut inverses = Vec::new();
+    for report in described.reports {
+        match report.covariance.clone().cholesky() {
+            Some(factor) => inverses.extend_from_slice(factor.inverse().as_slice()),
+            None => inverses.extend(std::iter::repeat_n(0.0, report.covariance.len())),
+        }
+    }
+    (values_of(described.reports), inverses)
 }
 
 fn coordinates(place: &Place) -> [f64; 2] {

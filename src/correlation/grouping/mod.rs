@@ -3,11 +3,13 @@
 //!
 //! Where the reports come from, and where the tracks come from that predict them, is not known here.
 
+use crate::math::fuzzy_c_means::MAX_ATTRIBUTES;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::state::{Position, PositionCovariance};
 use crate::registry::{Bound, Field, Kind, Method, Union, above, default, whole};
 
+pub mod attributes;
 mod closest_pairs;
 pub mod constrained_hard_c_means;
 pub mod fuzzy_c_means;
@@ -40,6 +42,8 @@ pub struct Snapshot<'a> {
     pub reports: &'a [SensorReport],
     /// Empty for groupers that use none.
     pub predictions: &'a [Place],
+    /// What is compared instead of places.
+    pub described: Option<attributes::Described<'a>>,
 }
 
 /// The reports of one instant in groups.
@@ -83,6 +87,11 @@ impl Grouping {
 pub trait Grouper: Send {
     /// Whether it needs [`Snapshot::predictions`].
     fn uses_predictions(&self) -> bool;
+
+    /// Whether it compares [`Snapshot::described`] where that is given.
+    fn takes_attributes(&self) -> bool {
+        false
+    }
 
     /// Every report gets exactly one group.
     ///

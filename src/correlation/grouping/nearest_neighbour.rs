@@ -60,14 +60,20 @@ impl Grouper for NearestNeighbour {
         true
     }
 
+    fn takes_attributes(&self) -> bool {
+        true
+    }
+
     fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
         let Snapshot {
             reports,
             predictions,
+            described,
             ..
         } = *snapshot;
-        let distance = |report: usize, prediction: usize| {
-            squared_distance(&reports[report].place, &predictions[prediction])
+        let distance = |report: usize, prediction: usize| match described {
+            Some(described) => described.squared_distance(report, prediction),
+            None => squared_distance(&reports[report].place, &predictions[prediction]),
         };
         let mut group_of = Vec::with_capacity(reports.len());
         let mut next = predictions.len();

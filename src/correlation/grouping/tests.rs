@@ -45,6 +45,7 @@ fn groups(
             number: 0,
             reports: &reports,
             predictions,
+            described: None,
         })
         .unwrap()
         .group_of
@@ -78,6 +79,10 @@ fn variants() -> Vec<(&'static str, Value)> {
         (
             "fuzzy_c_means",
             json!({"initial": {"from": "sensor", "clusters": two}}),
+        ),
+        (
+            "fuzzy_c_means",
+            json!({"initial": {"from": "memberships", "clusters": two}}),
         ),
         (
             "fuzzy_c_means",
@@ -231,6 +236,7 @@ fn a_number_of_clusters_beyond_the_reports_is_named() {
             number: 0,
             reports: &reports,
             predictions: &[],
+            described: None,
         })
         .unwrap_err();
     let fault = &faults[0];
@@ -257,6 +263,7 @@ fn the_history_keeps_cost_centres_and_memberships() {
             number: 4,
             reports: &reports,
             predictions: &predictions,
+            described: None,
         })
         .unwrap();
     let history = grouper.trace().unwrap();
@@ -289,7 +296,7 @@ proptest! {
         let reports = reports(&list);
         let predictions: Vec<Place> = centres.iter().map(|&(x_m, y_m)| place(x_m, y_m)).collect();
         for (method, parameters) in variants() {
-            let found = grouper(method, &parameters).group(&Snapshot { number: 1, reports: &reports, predictions: &predictions }).unwrap();
+            let found = grouper(method, &parameters).group(&Snapshot { number: 1, reports: &reports, predictions: &predictions, described: None }).unwrap();
             prop_assert_eq!(found.group_of.len(), reports.len());
             prop_assert_eq!(found.memberships.len(), reports.len());
             prop_assert!(found.count() >= 1 && found.count() <= reports.len());

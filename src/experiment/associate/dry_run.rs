@@ -90,11 +90,11 @@ pub fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
             time_s: 0.0,
             sensor: index,
             pose: None,
-            // A detector tells how strong what it found is; it also tells the noise where nobody else does.
+            // A detector of a record tells how strong what it found is, and the noise where nobody else does.
             detections: vec![Detection {
                 measurement,
                 origin: Some(0),
-                amplitude: is_record.then_some(1.0),
+                amplitude: (is_record || sensor.snr_db.is_some()).then_some(1.0),
             }],
         });
         parts.detection_ids.push("1".to_owned());

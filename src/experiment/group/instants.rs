@@ -1,11 +1,12 @@
 //! The instants of a recording at which several sensors report.
 
+use super::attributes::DescribedInstant;
 use crate::correlation::grouping::{Place, SensorReport};
-use crate::experiment::job::{RunError, refuse_any};
+use crate::experiment::job::RunError;
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording, Scan};
-use crate::model::sensing::MeasurementModel;
-use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::sensing::{Converted, MeasurementModel, Sensing};
+use crate::model::sensor::Sensor;
 use crate::model::state::PositionCovariance;
 
 /// The reports of one instant.
@@ -16,60 +17,8 @@ pub struct Instant {
     pub reports: Vec<SensorReport>,
     /// Where the tracks were expected, when they were predicted beforehand.
     pub predictions: Vec<Place>,
-}
-
-/// Sensors that report positions with known noise.
-///
-/// # Errors
-/// Every fault of the input that keeps it from being grouped.
-pub fn usable_sensors(
-    recording: &Recording,
-    known: &[SensorSettings],
-) -> Result<Vec<Sensor>, Vec<Fault>> {
-    let mut faults = Vec::new();
-    if known.len() < 2 {
-        let detail = format!(
-            "the input has {} sensor, whose reports have nothing to be put together with",
-            known.len()
-        );
-        faults.push(Fault::new("/input", "unsupported", detail).allowing("two sensors or more"));
-    }
-    let mut sensors = Vec::with_capacity(known.len());
-    for (index, settings) in known.iter().enumerate() {
-        let scans = recording.scans.iter().filter(|scan| scan.sensor == index);
-        let mut detections = scans.flat_map(|scan| &scan.detections);
-        if detections
-            .any(|detection| !matches!(detection.measurement, Measurement::Position { .. }))
-        {
-            let detail = format!(
-                "sensor '{}' reports directions, which are not put together",
-                settings.sensor_id
-            );
-            faults
-                .push(Fault::new("/input", "unsupported", detail).allowing("positions (x_m, y_m)"));
-        }
-        let (Some(sigma_x_m), Some(sigma_y_m)) = (settings.sigma_x_m, settings.sigma_y_m) else {
-            let detail = format!(
-                "the noise of sensor '{}' is not known: give 'sigma_x_m' and 'sigma_y_m' in 'sensors'",
-                settings.sensor_id
-            );
-            faults.push(Fault::new("/sensors", "missing", detail).allowing("> 0 m"));
-            continue;
-        };
-        let report = MeasurementModel::Position {
-            sigma_x_m,
-            sigma_y_m,
-        };
-        sensors.push(Sensor {
-            sensor_id: settings.sensor_id.clone(),
-            p_d: settings.p_d.unwrap_or(1.0),
-            clutter_density: 0.0,
-            may_start: true,
-            report,
-        });
-    }
-    refuse_any(faults)?;
-    Ok(sensors)
+    /// What is compared instead of places, where several attributes are.
+    pub described: Option<DescribedInstant>,
 }
 
 /// Scans of one time are one instant; one sensor alone makes none.
@@ -108,31 +57,48 @@ fn instant_of(scans: &[Scan], mut next: usize, sensors: &[Sensor]) -> Instant {
         detections: Vec::new(),
         reports: Vec::new(),
         predictions: Vec::new(),
+        described: None,
     };
     for scan in scans {
         let first = next;
         next += scan.detections.len();
-        let MeasurementModel::Position {
-            sigma_x_m,
-            sigma_y_m,
-        } = sensors[scan.sensor].report
-        else {
-            continue;
-        };
-        let covariance =
-            PositionCovariance::new(sigma_x_m * sigma_x_m, 0.0, 0.0, sigma_y_m * sigma_y_m);
+        let report = &sensors[scan.sensor].report;
         for (index, detection) in (first..).zip(&scan.detections) {
-            if let Some(position_m) = detection.measurement.position() {
+            if let Some(place) = place_of(report, &detection.measurement) {
                 instant.detections.push(index);
                 instant.reports.push(SensorReport {
-                    place: Place {
-                        position_m,
-                        covariance,
-                    },
+                    place,
                     sensor: scan.sensor as u32,
                 });
             }
         }
     }
     instant
+}
+
+/// Where a report alone puts its target.
+fn place_of(report: &MeasurementModel, measurement: &Measurement) -> Option<Place> {
+    match report {
+        MeasurementModel::Position {
+            sigma_x_m,
+            sigma_y_m,
+        } => Some(Place {
+            position_m: measurement.position()?,
+            covariance: PositionCovariance::new(
+                sigma_x_m * sigma_x_m,
+                0.0,
+                0.0,
+                sigma_y_m * sigma_y_m,
+            ),
+        }),
+        MeasurementModel::Converted(polar) => {
+            let converted = Converted(*polar);
+            let alone = converted.locate(&converted.read(measurement)?, 0.0)?;
+            Some(Place {
+                position_m: alone.mean.fixed_rows::<2>(0).into_owned(),
+                covariance: alone.covariance.fixed_view::<2, 2>(0, 0).into_owned(),
+            })
+        }
+        _ => None,
+    }
 }

@@ -1,8 +1,10 @@
 //! Groups what several sensors report of one target at one instant.
 
+mod attributes;
 mod instants;
 mod report;
 mod run;
+mod sensors;
 mod spec;
 mod tracks;
 
@@ -11,14 +13,18 @@ pub use spec::GROUP;
 
 use crate::experiment::input::JobData;
 use crate::experiment::input::known::{KnownRecording, check_inputs};
-use crate::experiment::input::sensors;
+use crate::experiment::input::sensors::merge_settings;
 use crate::experiment::job::{
     InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
+use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use spec::Spec;
+
+/// Of a grouper that groups nothing.
+const SAMPLE: Seed = Seed { seed: 0, run: 0 };
 
 struct GroupJob {
     spec: Spec,
@@ -80,7 +86,9 @@ impl GroupJob {
         let KnownRecording {
             sample, uploaded, ..
         } = recording;
-        let known = sensors::merge_settings(sample, uploaded, &self.spec.sensors)?;
-        instants::usable_sensors(sample, &known).map(drop)
+        let known = merge_settings(sample, uploaded, &self.spec.sensors)?;
+        let sensors = sensors::usable_sensors(sample, &known)?;
+        let grouper = self.spec.grouper.build(SAMPLE);
+        run::attributes_of(&self.spec, &*grouper, sample, &sensors).map(drop)
     }
 }

@@ -216,7 +216,7 @@ fn trace(grouped: &Grouped, recording: &Recording, history: &History) -> Artifac
     );
     for kept in &history.iterations {
         let (instant, _) = &grouped.instants[kept.snapshot as usize];
-        let clusters = kept.centres.len() / 2;
+        let clusters = kept.centres.len() / grouped.columns.len();
         let mut row = |quantity: &str, group: Option<usize>, detection_id: &str, value: f64| {
             let group = group
                 .map(|group| (group + 1).to_string())
@@ -232,9 +232,10 @@ fn trace(grouped: &Grouped, recording: &Recording, history: &History) -> Artifac
             ]);
         };
         row("cost", None, "", kept.cost);
-        for (group, centre) in kept.centres.chunks_exact(2).enumerate() {
-            row("centre_x_m", Some(group), "", centre[0]);
-            row("centre_y_m", Some(group), "", centre[1]);
+        for (group, centre) in kept.centres.chunks_exact(grouped.columns.len()).enumerate() {
+            for (column, &value) in grouped.columns.iter().zip(centre) {
+                row(&format!("centre_{column}"), Some(group), "", value);
+            }
         }
         for (memberships, &detection) in kept
             .memberships

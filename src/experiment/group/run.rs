@@ -4,7 +4,9 @@
 //! tracks are updated with the reports that really are theirs: then the predictions, made before anything is grouped, are the
 //! same for every grouper. With a closed loop they are updated with the groups that were found.
 
-use super::instants::{Instant, instants_of, usable_sensors};
+use super::attributes::{AttributeSet, DescribedInstant};
+use super::instants::{Instant, instants_of};
+use super::sensors::usable_sensors;
 use super::spec::{Loop, Spec};
 use super::tracks::{Scene, Tracks, begin, check_origins};
 use crate::correlation::grouping::fuzzy_c_means::History;
@@ -15,7 +17,8 @@ use crate::experiment::job::{AssociationTime, RunError};
 use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
-use crate::model::scan::DetectionIndex;
+use crate::model::scan::{DetectionIndex, Recording};
+use crate::model::sensor::Sensor;
 use std::time::Duration;
 
 /// The instants, each with its groups.
@@ -28,6 +31,8 @@ pub struct Grouped {
     /// Against the origins, where they are known.
     pub counts: Option<Vec<GroupingCounts>>,
     pub history: Option<History>,
+    /// Names of what is compared.
+    pub columns: Vec<&'static str>,
     /// How long the grouper took, where the observer has a clock.
     pub association_time: Option<AssociationTime>,
 }
@@ -51,8 +56,10 @@ pub fn group(
         detections: recording.index_detections(),
         sensors: &sensors,
         truth: data.truth.as_ref(),
+        attributes: attributes_of(spec, &*grouper, recording, &sensors)?,
     };
     let mut instants = instants_of(recording, &sensors)?;
+    describe(&mut instants, &scene);
     let mut tracks = None;
     if grouper.uses_predictions() {
         check_origins(predictions, recording)?;
@@ -76,8 +83,48 @@ pub fn group(
         instants: grouped,
         counts,
         history: grouper.trace().cloned(),
+        columns: scene
+            .attributes
+            .as_ref()
+            .map_or_else(|| vec!["x_m", "y_m"], AttributeSet::columns),
         association_time: spent.map(|spent| AssociationTime { spent, scans }),
     })
+}
+
+/// What is compared instead of places; `None` where places are.
+///
+/// # Errors
+/// A grouper or sensors that cannot.
+pub fn attributes_of(
+    spec: &Spec,
+    grouper: &dyn Grouper,
+    recording: &Recording,
+    sensors: &[Sensor],
+) -> Result<Option<AttributeSet>, Vec<Fault>> {
+    if spec.attributes.is_empty() {
+        return Ok(None);
+    }
+    if !grouper.takes_attributes() {
+        let detail = format!("'{}' compares places", spec.grouper.name());
+        return Err(vec![
+            Fault::new("/attributes", "unsupported", detail)
+                .allowing("nearest_neighbour or fuzzy_c_means"),
+        ]);
+    }
+    AttributeSet::new(&spec.attributes, recording, sensors).map(Some)
+}
+
+fn describe(instants: &mut [Instant], scene: &Scene) {
+    let Some(attributes) = &scene.attributes else {
+        return;
+    };
+    for instant in instants {
+        instant.described = Some(DescribedInstant {
+            angles: attributes.angles(),
+            reports: attributes.of_reports(instant, &scene.detections, scene.sensors),
+            predictions: Vec::new(),
+        });
+    }
 }
 
 /// Every instant in turn, and how long the grouper took, where the observer has a clock. Tracks are those of a closed loop.
@@ -125,12 +172,13 @@ fn group_one(
 ) -> Result<Grouping, Vec<Fault>> {
     if let Some(tracks) = &mut closed {
         tracks.tracks.predict(instant.time_s);
-        instant.predictions = tracks.places();
+        tracks.expect(instant, scene.attributes.as_ref());
     }
     let grouping = grouper.group(&Snapshot {
         number,
         reports: &instant.reports,
         predictions: &instant.predictions,
+        described: instant.described.as_ref().map(DescribedInstant::view),
     })?;
     let Some(tracks) = closed else {
         return Ok(grouping);

@@ -5,7 +5,7 @@ use crate::experiment::request::fields::{INPUT, JOB_NAME, LABELS, SEED, SENSORS}
 use crate::experiment::request::methods::Choice;
 use crate::experiment::request::sources::InputSpec;
 use crate::model::sensor::SensorSettings;
-use crate::registry::{Kind, Object, default, number, required};
+use crate::registry::{Kind, Object, default, list, number, optional, required};
 use serde::Deserialize;
 
 pub static GROUP: Object = Object {
@@ -17,7 +17,7 @@ pub static GROUP: Object = Object {
         SEED,
         required(
             "input",
-            "The detections: positions of two sensors or more at common times.",
+            "The detections: positions, or ranges with bearings, of two sensors or more at common times.",
             Kind::Union(&INPUT),
         ),
         SENSORS,
@@ -31,6 +31,15 @@ pub static GROUP: Object = Object {
             "The tracks behind groupers that use predictions.",
             Kind::Object(&PREDICTIONS),
             "{}",
+        ),
+        optional(
+            "attributes",
+            "What nearest_neighbour and fuzzy_c_means compare instead of places, each by its σ, of sensors at one place that report ranges and bearings.",
+            list(
+                &Kind::Choice(&["position", "range", "bearing", "range_rate"]),
+                1,
+                4,
+            ),
         ),
     ],
 };
@@ -74,6 +83,37 @@ pub struct Spec {
     pub sensors: Vec<SensorSettings>,
     pub grouper: Choice<BuildGrouper>,
     pub predictions: PredictionSpec,
+    #[serde(default)]
+    pub attributes: Vec<AttributeName>,
+}
+
+/// What may be compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AttributeName {
+    Position,
+    Range,
+    Bearing,
+    RangeRate,
+}
+
+impl AttributeName {
+    pub const ALL: [AttributeName; 4] = [
+        AttributeName::Position,
+        AttributeName::Range,
+        AttributeName::Bearing,
+        AttributeName::RangeRate,
+    ];
+
+    /// Places of its values among x, y, r, β, ṙ.
+    pub fn rows(self) -> std::ops::Range<usize> {
+        match self {
+            AttributeName::Position => 0..2,
+            AttributeName::Range => 2..3,
+            AttributeName::Bearing => 3..4,
+            AttributeName::RangeRate => 4..5,
+        }
+    }
 }
 
 /// The parameters of `predictions`.

@@ -1,5 +1,6 @@
 //! The tracks that predict reports.
 
+use super::attributes::AttributeSet;
 use super::instants::Instant;
 use super::spec::{Loop, PredictionSpec, Start};
 use crate::correlation::grouping::Place;
@@ -25,6 +26,7 @@ pub struct Scene<'a> {
     pub detections: DetectionIndex<'a>,
     pub sensors: &'a [Sensor],
     pub truth: Option<&'a TruthSet>,
+    pub attributes: Option<AttributeSet>,
 }
 
 /// What needs the truth is refused where nobody knows it.
@@ -111,7 +113,7 @@ impl Tracks {
         self.tracks.update(track, sensor, &detection.measurement);
     }
 
-    pub fn places(&self) -> Vec<Place> {
+    fn places(&self) -> Vec<Place> {
         let place = |state: &GaussianState| Place {
             position_m: Position::new(state.mean[0], state.mean[1]),
             covariance: state.covariance.fixed_view::<2, 2>(0, 0).into_owned(),
@@ -119,11 +121,20 @@ impl Tracks {
         self.tracks.states().iter().map(place).collect()
     }
 
+    /// What the tracks expect of an instant at their time.
+    pub fn expect(&self, instant: &mut Instant, attributes: Option<&AttributeSet>) {
+        instant.predictions = self.places();
+        if let (Some(described), Some(attributes)) = (&mut instant.described, attributes) {
+            let states = self.tracks.states().iter();
+            described.predictions = states.map(|state| attributes.of_state(state)).collect();
+        }
+    }
+
     /// The open loop.
     pub fn predict_all(&mut self, instants: &mut [Instant], scene: &Scene) {
         for instant in instants {
             self.tracks.predict(instant.time_s);
-            instant.predictions = self.places();
+            self.expect(instant, scene.attributes.as_ref());
             for (&detection, report) in instant.detections.iter().zip(&instant.reports) {
                 let Some(detection) = scene.detections.get(detection) else {
                     continue;

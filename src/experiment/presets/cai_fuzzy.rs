@@ -9,7 +9,7 @@ use crate::experiment::job::JobKind;
 use serde_json::{Value, json};
 
 /// Targets of the scene.
-const TARGETS: u32 = 25;
+pub(super) const TARGETS: u32 = 25;
 
 pub(super) fn presets() -> Vec<Preset> {
     let scenes = [("cv", "straight"), ("weave", "weaving")]
@@ -55,7 +55,14 @@ fn tables(scenes: Vec<((&str, &str), u32)>) -> Preset {
     )
 }
 
-fn campaign(name: String, summary: String, scenario: Value, grid: &[Value], runs: u32) -> Preset {
+/// Of groups, with what every such campaign keeps.
+pub(super) fn campaign(
+    name: String,
+    summary: String,
+    scenario: Value,
+    grid: &[Value],
+    runs: u32,
+) -> Preset {
     Preset {
         summary,
         kind: JobKind::Campaign,
@@ -156,7 +163,7 @@ pub fn contenders() -> Vec<(&'static str, Value)> {
     ]
 }
 
-fn scenario(motion: &str, duplicates: u32) -> Value {
+pub(super) fn scenario(motion: &str, duplicates: u32) -> Value {
     let sensor = |number: u32| json!({"sensor_id": format!("S{number}"), "max_range_m": 100_000.0, "p_d": 1.0, "sigma_x_m": 200.0, "sigma_y_m": 200.0, "clutter_per_scan": 0.0});
     let motion = match motion {
         "weaving" => json!({"kind": "weaving", "heading_amplitude_deg": 30.0, "period_s": 60.0}),

@@ -1,6 +1,7 @@
 //! Presets: complete job bodies, ready to run or to change. One file an origin, one line of [`FAMILIES`].
 
 pub mod cai_fuzzy;
+mod cai_fuzzy_claims;
 mod huo2008;
 mod huo2008_claims;
 mod liang2009;
@@ -25,6 +26,12 @@ pub const PAPERS: &[&str] = &[
     "liang2009-clutter",
     "liang2009-beginnings",
     "cai-fuzzy-tables",
+    "cai-fuzzy-duplicates",
+    "cai-fuzzy-starts",
+    "cai-fuzzy-noise",
+    "cai-fuzzy-strongest",
+    "cai-fuzzy-attributes",
+    "cai-fuzzy-genetic",
     "huo2008-study",
     "huo2008-statistic",
     "huo2008-printed",
@@ -39,9 +46,10 @@ pub const PAPERS: &[&str] = &[
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 6] = [
+const FAMILIES: [(&str, MakePresets); 7] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
+    ("cai-fuzzy-", cai_fuzzy_claims::presets),
     ("huo2008", huo2008::presets),
     ("huo2008-", huo2008_claims::presets),
     ("wang-bat-", wang_bat::presets),

@@ -66,6 +66,11 @@ static SCENARIO_SENSOR: Object = Object {
             "With clutter_per_deg: false detections lie at most this far from the true bearing of a target in view, each degree counted once; on the whole circle when absent.",
             SIGMA_BEARING,
         ),
+        optional(
+            "snr_db",
+            "Mean signal-to-noise ratio of a target's echo (Swerling 1). With it detections have amplitudes: the power of their echoes in units of the noise's, beyond the threshold that p_d and this ratio set.",
+            number(-30.0, 100.0, "dB"),
+        ),
     ],
 };
 

@@ -18,7 +18,8 @@
 //!    else be a copy. FCM drives the child to its optimum.
 //! 4. Of parents and children together the fittest live on (elitism), each optimum once: J never rises.
 //!
-//! The cost is (generations + 1) · population runs of FCM; its iterations are counted.
+//! The cost is (generations + 1) · population runs of FCM; its iterations are counted. What FCM saves is seen by the same search
+//! without it, a plain genetic algorithm over centres.
 
 use super::{FuzzyCMeans, FuzzyError, Metric, Objects, start};
 use crate::math::assignment::assign_dense;
@@ -34,6 +35,9 @@ pub struct GeneticSettings {
     pub crossover_rate: f64,
     /// Probability that a centre of a child is replaced.
     pub mutation_rate: f64,
+    /// Whether fuzzy c-means drives each individual to its local optimum; else J is that of the centres as they are, and this is
+    /// a plain genetic algorithm.
+    pub is_driven: bool,
 }
 
 impl Default for GeneticSettings {
@@ -43,6 +47,7 @@ impl Default for GeneticSettings {
             generations: 10,
             crossover_rate: 0.8,
             mutation_rate: 0.15,
+            is_driven: true,
         }
     }
 }
@@ -78,9 +83,9 @@ impl GeneticSettings {
 pub struct GeneticOutcome {
     /// The least J.
     pub cost: f64,
-    /// Runs of FCM.
+    /// Individuals: runs of FCM.
     pub runs: u64,
-    /// Iterations of all of them.
+    /// Iterations of all of them, each a round of all distances; of a plain search one for each individual.
     pub iterations: u64,
     /// The least J of the first population, then after each generation.
     pub trace: Vec<f64>,
@@ -155,14 +160,19 @@ impl CentreSearch<'_, '_> {
         Ok(())
     }
 
-    /// The local optimum that FCM reaches.
+    /// The local optimum that FCM reaches, or the centres as they are.
     fn drive(&mut self, centres: &[f64]) -> Result<Individual, FuzzyError> {
-        let outcome = self.means.run(self.objects, centres)?;
+        let (iterations, cost) = if self.settings.is_driven {
+            let outcome = self.means.run(self.objects, centres)?;
+            (outcome.iterations, outcome.cost)
+        } else {
+            (1, self.means.judge(self.objects, centres)?)
+        };
         self.runs += 1;
-        self.iterations += u64::from(outcome.iterations);
+        self.iterations += u64::from(iterations);
         Ok(Individual {
             centres: self.means.centres().to_vec(),
-            cost: outcome.cost,
+            cost,
         })
     }
 

@@ -32,7 +32,7 @@ pub mod validity;
 
 pub use error::FuzzyError;
 pub use membership::Fuzzifier;
-pub use metric::{Metric, Objects};
+pub use metric::{MAX_ATTRIBUTES, Metric, Objects};
 
 use metric::CentreUpdate;
 
@@ -165,6 +165,15 @@ impl FuzzyCMeans {
             outcome.cost = self.show(outcome.iterations, &mut observe);
         }
         Ok(outcome)
+    }
+
+    /// J of the best memberships for these centres, which stay where they are.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn judge(&mut self, objects: &Objects, centres: &[f64]) -> Result<f64, FuzzyError> {
+        self.begin(objects, centres)?;
+        Ok(self.show(0, &mut |_| {}))
     }
 
     /// Step 1.

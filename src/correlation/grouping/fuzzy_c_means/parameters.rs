@@ -1,7 +1,7 @@
 //! What a request may say of the fuzzy c-means grouper.
 
 use crate::correlation::grouping::{FUZZIFIER, MAX_ITERATIONS, ONE_PER_SENSOR, TOLERANCE};
-use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, required};
+use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, optional, required};
 use serde::Deserialize;
 
 pub(super) static PARAMETERS: Object = Object {
@@ -46,6 +46,10 @@ static INITIAL: Union = Union {
                 object: &RANDOM,
             },
             Variant {
+                tag: "memberships",
+                object: &MEMBERSHIPS,
+            },
+            Variant {
                 tag: "genetic",
                 object: &GENETIC,
             },
@@ -68,6 +72,12 @@ static SENSOR: Object = Object {
 static RANDOM: Object = Object {
     name: "CentresAtRandom",
     summary: "Different reports, drawn at random.",
+    fields: &[CLUSTERS],
+};
+
+static MEMBERSHIPS: Object = Object {
+    name: "CentresOfRandomMemberships",
+    summary: "First memberships drawn at random, c uniform numbers over their sum for each report, and the centres that fit them.",
     fields: &[CLUSTERS],
 };
 
@@ -107,6 +117,11 @@ static GENETIC: Object = Object {
             "Probability that a centre of a child becomes a random report.",
             SHARE,
             "0.15",
+        ),
+        optional(
+            "driven",
+            "Whether fuzzy c-means drives each individual to its optimum; so it is when absent. Without, this is a plain genetic algorithm over centres.",
+            Kind::Flag,
         ),
     ],
 };
@@ -188,13 +203,22 @@ pub(super) enum Initial {
     Random {
         clusters: Clusters,
     },
+    Memberships {
+        clusters: Clusters,
+    },
     Genetic {
         clusters: Clusters,
         population: u32,
         generations: u32,
         crossover_rate: f64,
         mutation_rate: f64,
+        #[serde(default = "yes")]
+        driven: bool,
     },
+}
+
+fn yes() -> bool {
+    true
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

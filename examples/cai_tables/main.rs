@@ -1,15 +1,17 @@
-//! The tables of Cai et al. with every contender: accuracy over the runs, and the time that grouping took against the nearest
-//! neighbour in the same process.
+//! The tables of Cai et al. with every contender: accuracy over the runs, and the time on the processor that grouping took against the
+//! nearest neighbour in the same process.
 //!
 //! `cargo run --example cai_tables [-- RUNS [FIRST_SEED]]`; 25 runs from seed 1 unless said otherwise. With `--calibrate` the
 //! nearest neighbour and fuzzy c-means alone, over noises and spacings around those of the presets. `--only=WORD` restricts the
-//! table to contenders whose names hold the word; `--search` shows the genetic search with more and more runs.
+//! table to contenders whose names hold the word; `--search` shows the genetic search with more and more runs. `--genetic` and `--times`
+//! print rows of `docs/data/cai-fuzzy.csv`: errors and J of genetic fuzzy c-means, and ratios of times.
+
+mod claims;
+#[path = "../../tests/domain/segmentation.rs"]
+mod segmentation;
 
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::time::Instant;
-use trackloom_domain::experiment::observer::{Observer, Step};
 use trackloom_domain::experiment::presets::cai_fuzzy;
 use trackloom_domain::experiment::{JobKind, plan, presets, run};
 
@@ -19,23 +21,6 @@ const SCENES: [&str; 4] = [
     "cai-fuzzy-weave-10",
     "cai-fuzzy-weave-15",
 ];
-
-/// Books the time between two calls on the step of the second.
-struct Watch {
-    last: Instant,
-    grouping_s: f64,
-}
-
-impl Observer for Watch {
-    fn progress(&mut self, step: Step, done: u64, _: u64) -> ControlFlow<()> {
-        let now = Instant::now();
-        if step == Step::Associate && done > 0 {
-            self.grouping_s += (now - self.last).as_secs_f64();
-        }
-        self.last = now;
-        ControlFlow::Continue(())
-    }
-}
 
 /// Of one run.
 struct Found {
@@ -63,10 +48,7 @@ fn one(body: &Value, change: &Value, seed: u32) -> Found {
         body[name] = value.clone();
     }
     let plan = plan(JobKind::Group, &body).expect("the body is right");
-    let mut watch = Watch {
-        last: Instant::now(),
-        grouping_s: 0.0,
-    };
+    let mut watch = claims::Watch::default();
     let result = run(&plan, Vec::new(), &mut watch)
         .expect("the job succeeds")
         .result;
@@ -76,7 +58,7 @@ fn one(body: &Value, change: &Value, seed: u32) -> Found {
         accuracy_percent: 100.0 * accuracy,
         iterations: number("/grouping/search/mean_iterations").unwrap_or(0.0),
         cost: number("/grouping/search/mean_cost").unwrap_or(0.0),
-        grouping_s: watch.grouping_s,
+        grouping_s: watch.spent_s,
     }
 }
 
@@ -222,13 +204,20 @@ fn main() {
         numbers.get(1).copied().unwrap_or(1),
     );
     let only = words.iter().find_map(|word| word.strip_prefix("--only="));
-    match words
+    let mode = words
         .iter()
-        .find(|word| *word == "--calibrate" || *word == "--search")
-        .map(String::as_str)
-    {
-        Some("--calibrate") => calibrate(runs, first_seed),
-        Some(_) => search(runs, first_seed),
-        None => table(runs, first_seed, only),
+        .find_map(|word| word.strip_prefix("--").filter(|word| !word.contains('=')));
+    match mode {
+        Some("calibrate") => calibrate(runs, first_seed),
+        Some("search") => search(runs, first_seed),
+        Some("genetic") => {
+            println!("{}", claims::HEADER);
+            claims::genetic();
+        }
+        Some("times") => {
+            println!("{}", claims::HEADER);
+            claims::times(runs);
+        }
+        _ => table(runs, first_seed, only),
     }
 }

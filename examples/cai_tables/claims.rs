@@ -1,0 +1,249 @@
+//! What no campaign of groups can say: mean squared errors of genetic fuzzy c-means, on scenes and on images, and ratios of times.
+//! Rows are those of `docs/data/cai-fuzzy.csv`.
+
+use super::{SCENES, base_of};
+use crate::segmentation::{Found, compare, image};
+use serde_json::{Value, json};
+use std::ops::ControlFlow;
+use trackloom_domain::experiment::observer::{Observer, Step};
+use trackloom_domain::experiment::{JobKind, plan, presets, run};
+use trackloom_domain::math::fuzzy_c_means::{Metric, Objects};
+use trackloom_domain::math::rng::Seed;
+use trackloom_domain::math::stats::{mean, t_interval};
+use trackloom_domain::model::scenario::Scenario;
+use trackloom_domain::simulation::simulate;
+
+pub const HEADER: &str = "preset,cell,quantity,value,low,high,runs,seed";
+
+/// As [`compare`] gives what they found.
+const METHODS: [&str; 4] = [
+    "FCM",
+    "genetic FCM",
+    "plain genetic",
+    "plain genetic, ten times the distances",
+];
+
+fn row(preset: &str, cell: &str, quantity: &str, values: &[f64]) {
+    let value = mean(values).expect("there are runs");
+    let interval = t_interval(values, 0.95).map_or_else(String::new, |interval| {
+        format!("{:.6},{:.6}", interval.low, interval.high)
+    });
+    let runs = values.len();
+    println!("{preset},\"{cell}\",{quantity},{value:.6},{interval},{runs},1");
+}
+
+const IMAGES: [(&str, f64, usize); 2] = [
+    ("image of even classes", 12.0, 20),
+    ("image of uneven classes", 15.0, 6),
+];
+
+/// Genetic fuzzy c-means on ten images of each kind, and on one instant of each of ten runs of each scene.
+pub fn genetic() {
+    for (name, disc, square) in IMAGES {
+        let found: Vec<[Found; 4]> = (1..=10)
+            .map(|seed| {
+                let seed = Seed { seed, run: 0 };
+                let pixels = image(seed, disc, square);
+                let objects =
+                    Objects::new(&pixels, &[false], Metric::Scaled(&[1.0])).expect("grey levels");
+                compare(&objects, 3, seed)
+            })
+            .collect();
+        tell(name, &found);
+    }
+    for scene in SCENES {
+        let mut scenario = base_of(scene)["input"]["scenario"].take();
+        for sensor in scenario["sensors"]
+            .as_array_mut()
+            .expect("there are sensors")
+        {
+            (sensor["x_m"], sensor["y_m"]) = (json!(0.0), json!(0.0));
+        }
+        let scenario: Scenario = serde_json::from_value(scenario).expect("a scenario");
+        let found: Vec<[Found; 4]> = (1..=10)
+            .map(|seed| of_scene(&scenario, Seed { seed, run: 0 }))
+            .collect();
+        tell(scene, &found);
+    }
+}
+
+/// The tenth instant: places in units of σ.
+fn of_scene(scenario: &Scenario, seed: Seed) -> [Found; 4] {
+    let simulated = simulate(scenario, seed, &mut |_| ControlFlow::Continue(()));
+    let recording = simulated
+        .expect("a sound scenario")
+        .expect("nobody stops it");
+    let recording = recording.recording;
+    let scans = recording.scans.iter().filter(|scan| scan.time_s == 20.0);
+    let values: Vec<f64> = scans
+        .flat_map(|scan| &scan.detections)
+        .filter_map(|detection| detection.measurement.position())
+        .flat_map(|place| [place[0], place[1]])
+        .collect();
+    let sigmas = [200.0, 200.0];
+    let objects = Objects::new(&values, &[false, false], Metric::Scaled(&sigmas)).expect("places");
+    compare(&objects, 25, seed)
+}
+
+fn tell(cell: &str, found: &[[Found; 4]]) {
+    let preset = "cai_tables --genetic";
+    let column = |method: usize, of: fn(&Found) -> f64| -> Vec<f64> {
+        found.iter().map(|found| of(&found[method])).collect()
+    };
+    let quantities: [(&str, fn(&Found) -> f64); 3] = [
+        ("mean squared error", |found| found.mean_squared_error),
+        ("J", |found| found.cost),
+        ("rounds of distances", |found| found.rounds as f64),
+    ];
+    for (method, name) in METHODS.iter().enumerate() {
+        let cell = format!("{cell} | {name}");
+        for (quantity, of) in quantities {
+            row(preset, &cell, quantity, &column(method, of));
+        }
+        for (quantity, of) in &quantities[..2] {
+            for reference in 0..method.min(2) {
+                let pairs = column(method, *of).into_iter().zip(column(reference, *of));
+                let ratios: Vec<f64> = pairs.map(|(value, other)| value / other).collect();
+                let quantity = format!("{quantity} over that of {}", METHODS[reference]);
+                row(preset, &cell, &quantity, &ratios);
+            }
+        }
+    }
+}
+
+/// Time of this thread on a processor, which is booked up to now when the thread offers to step aside.
+fn processor_s() -> f64 {
+    std::thread::yield_now();
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux tells it");
+    let spent_ns = text
+        .split(' ')
+        .next()
+        .and_then(|word| word.parse::<f64>().ok());
+    spent_ns.expect("a number") * 1e-9
+}
+
+/// From the first to the last instant, or scan, that is associated.
+#[derive(Default)]
+pub struct Watch {
+    begun_s: f64,
+    pub spent_s: f64,
+}
+
+impl Observer for Watch {
+    fn progress(&mut self, step: Step, done: u64, total: u64) -> ControlFlow<()> {
+        if step == Step::Associate && done == 0 {
+            self.begun_s = processor_s();
+        } else if step == Step::Associate && done == total {
+            self.spent_s = processor_s() - self.begun_s;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Of a job, for each seed the least of three.
+fn times_of(kind: JobKind, body: &Value, runs: u32) -> Vec<f64> {
+    let mut body = body.clone();
+    let mut spent = Vec::new();
+    for seed in 1..=runs {
+        body["seed"] = json!(seed);
+        let plan = plan(kind, &body).expect("the body is right");
+        let mut least_s = f64::INFINITY;
+        for _ in 0..3 {
+            let mut watch = Watch::default();
+            run(&plan, Vec::new(), &mut watch).expect("the job succeeds");
+            least_s = least_s.min(watch.spent_s);
+        }
+        spent.push(least_s);
+    }
+    spent
+}
+
+/// Ratios of times on the processor, run by run in one process.
+pub fn times(runs: u32) {
+    let mut of_scenes = Vec::new();
+    for scene in SCENES {
+        let mut body = base_of(scene);
+        let fuzzy = times_of(JobKind::Group, &body, runs);
+        body["grouper"] = json!({"method": "nearest_neighbour", "gate_sigmas": 3.0});
+        let nearest = times_of(JobKind::Group, &body, runs);
+        row_of_ratio(scene, "FCM over NN", &fuzzy, &nearest);
+        row("cai_tables --times", scene, "FCM of a scene (s)", &fuzzy);
+        row("cai_tables --times", scene, "NN of a scene (s)", &nearest);
+        of_scenes.push((nearest, fuzzy));
+    }
+    for (name, fewer, more) in [("cv", 0, 1), ("weave", 2, 3)] {
+        let (fewer, more) = (&of_scenes[fewer], &of_scenes[more]);
+        row_of_ratio(name, "NN of 15 duplicates over 10", &more.0, &fewer.0);
+        row_of_ratio(name, "FCM of 15 duplicates over 10", &more.1, &fewer.1);
+    }
+    groupers(runs);
+    trackers(runs);
+}
+
+fn row_of_ratio(cell: &str, quantity: &str, over: &[f64], under: &[f64]) {
+    let pairs = over.iter().zip(under);
+    let ratios: Vec<f64> = pairs.map(|(over, under)| over / under).collect();
+    row("cai_tables --times", cell, quantity, &ratios);
+}
+
+/// The job that a preset's campaign runs, without its kind.
+fn base_of_claim(name: &str) -> Value {
+    let mut body = presets::find(name).expect("a preset").body["base"].take();
+    body.as_object_mut().expect("an object").remove("kind");
+    body
+}
+
+/// Groupers by one attribute and by several.
+fn groupers(runs: u32) {
+    let mut body = base_of_claim("cai-fuzzy-attributes");
+    let mut of_all = Vec::new();
+    for (name, method) in [("NN", "nearest_neighbour"), ("FCM", "fuzzy_c_means")] {
+        body["grouper"] = json!({"method": method});
+        body["attributes"] = json!(["range"]);
+        let single = times_of(JobKind::Group, &body, runs);
+        let mut several = Vec::new();
+        for set in [
+            json!(["range", "bearing"]),
+            json!(["range", "bearing", "range_rate"]),
+            json!(["position", "range", "bearing", "range_rate"]),
+        ] {
+            let count = set.as_array().map_or(0, Vec::len);
+            body["attributes"] = set;
+            several = times_of(JobKind::Group, &body, runs);
+            row_of_ratio(
+                name,
+                &format!("{count} attributes over one"),
+                &several,
+                &single,
+            );
+        }
+        of_all.push(several);
+    }
+    row_of_ratio("four attributes", "FCM over NN", &of_all[1], &of_all[0]);
+}
+
+/// Trackers of one sensor with and without range rates.
+fn trackers(runs: u32) {
+    let mut body = base_of_claim("cai-fuzzy-strongest");
+    body["filter"]["method"] = json!("extended");
+    let sensor = json!({
+        "sensor_id": "radar", "y_m": -40_000.0, "max_range_m": 80_000.0, "p_d": 0.9, "sigma_range_m": 200.0,
+        "sigma_bearing_deg": 0.3, "clutter_per_scan": 500.0
+    });
+    for (name, associator) in [
+        ("NN", json!({"method": "nearest_neighbour"})),
+        ("PDA", json!({"method": "pda"})),
+        (
+            "FCM",
+            json!({"method": "fuzzy_c_means", "weights": "weighted"}),
+        ),
+    ] {
+        body["associator"] = associator;
+        body["input"]["scenario"]["sensors"][0] = sensor.clone();
+        let two = times_of(JobKind::Evaluate, &body, runs);
+        body["input"]["scenario"]["sensors"][0]["sigma_range_rate_mps"] = json!(10.0);
+        let three = times_of(JobKind::Evaluate, &body, runs);
+        let cell = format!("{name} as associator");
+        row_of_ratio(&cell, "three values over two", &three, &two);
+    }
+}
