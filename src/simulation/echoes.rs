@@ -51,7 +51,6 @@ impl Echoes {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::math::rng::Seed;
     use crate::model::scenario::Scenario;
     use crate::simulation::{check, simulate};
