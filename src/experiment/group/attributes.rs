@@ -74,21 +74,7 @@ impl AttributeSet {
             let detail = "ranges, bearings and range rates from different places do not compare";
             return Err(refuse(detail.to_owned(), "sensors at one place"));
         }
-        let lacks_rate = |measurement: &Measurement| {
-            !matches!(
-                measurement,
-                Measurement::RangeBearing {
-                    range_rate_mps: Some(_),
-                    ..
-                }
-            )
-        };
-        if wanted.contains(&AttributeName::RangeRate)
-            && (places.iter().any(|polar| polar.range_rate.is_none())
-                || recording
-                    .detections()
-                    .any(|found| lacks_rate(&found.measurement)))
-        {
+        if wanted.contains(&AttributeName::RangeRate) && lacks_rates(recording, &places) {
             let detail = "range rates are not reported by all sensors with a known noise";
             return Err(refuse(
                 detail.to_owned(),
@@ -180,4 +166,19 @@ impl AttributeSet {
             }),
         }
     }
+}
+
+/// Whether a report lacks its range rate, or a sensor the noise of it.
+fn lacks_rates(recording: &Recording, sensors: &[Polar]) -> bool {
+    let mut reports = recording.detections();
+    sensors.iter().any(|polar| polar.range_rate.is_none())
+        || reports.any(|found| {
+            !matches!(
+                found.measurement,
+                Measurement::RangeBearing {
+                    range_rate_mps: Some(_),
+                    ..
+                }
+            )
+        })
 }

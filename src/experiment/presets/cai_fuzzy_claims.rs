@@ -169,9 +169,24 @@ fn noise() -> Preset {
     )
 }
 
+const SENSOR: &str = "/input/scenario/sensors/0";
+
+/// The only sensor with another noise.
+fn noise_of_one(sigma_m: f64) -> Value {
+    let changes = ["sigma_x_m", "sigma_y_m"]
+        .map(|field| json!({"path": format!("{SENSOR}/{field}"), "value": sigma_m}));
+    json!({"name": format!("{sigma_m} m"), "set": changes})
+}
+
+fn associator(name: &str, associator: Value, snr_db: f64) -> Value {
+    json!({"name": name, "set": [
+        {"path": "/associator", "value": associator},
+        {"path": format!("{SENSOR}/snr_db"), "value": snr_db}
+    ]})
+}
+
 /// The strongest and the nearest neighbour as associators of one sensor with clutter and amplitudes.
 fn strongest() -> Preset {
-    const SENSOR: &str = "/input/scenario/sensors/0";
     let mut scenario = scenario("straight", 10);
     scenario["sensors"] = json!([{
         "sensor_id": "radar", "max_range_m": 30_000.0, "p_d": 0.9, "sigma_x_m": 200.0, "sigma_y_m": 200.0, "clutter_per_scan": 500.0,
@@ -180,27 +195,14 @@ fn strongest() -> Preset {
     if let Some(scenario) = scenario.as_object_mut() {
         scenario.remove("coverage");
     }
-    let noise = |sigma_m: f64| {
-        let changes = ["sigma_x_m", "sigma_y_m"]
-            .map(|field| format!("{SENSOR}/{field}"))
-            .map(|path| json!({"path": path, "value": sigma_m}));
-        json!({"name": format!("{sigma_m} m"), "set": changes})
-    };
-    let noises = [25.0, 50.0, 100.0, 200.0, 400.0].map(noise);
+    let noises = [25.0, 50.0, 100.0, 200.0, 400.0].map(noise_of_one);
     let noises = json!({"by": "variants", "name": "sigma", "variants": noises});
-    let variant = |name: &str, associator: Value, snr_db: f64| {
-        json!({"name": name, "set": [
-            {"path": "/associator", "value": associator},
-            {"path": format!("{SENSOR}/snr_db"), "value": snr_db}
-        ]})
-    };
-    let method = |name: &str| json!({"method": name});
     let associators = json!({"by": "variants", "name": "associator", "variants": [
-        variant("NNF", method("nearest_neighbour"), 13.0),
-        variant("SNF, 13 dB", method("strongest_neighbour"), 13.0),
-        variant("SNF, 20 dB", method("strongest_neighbour"), 20.0),
-        variant("PDA", method("pda"), 13.0),
-        variant("FCM, weighted", json!({"method": "fuzzy_c_means", "weights": "weighted"}), 13.0)
+        associator("NNF", json!({"method": "nearest_neighbour"}), 13.0),
+        associator("SNF, 13 dB", json!({"method": "strongest_neighbour"}), 13.0),
+        associator("SNF, 20 dB", json!({"method": "strongest_neighbour"}), 20.0),
+        associator("PDA", json!({"method": "pda"}), 13.0),
+        associator("FCM, weighted", json!({"method": "fuzzy_c_means", "weights": "weighted"}), 13.0)
     ]});
     let name = "cai-fuzzy-strongest".to_owned();
     Preset {
@@ -214,7 +216,7 @@ fn strongest() -> Preset {
             "base": {
                 "kind": "evaluate",
                 "input": {"source": "scenario", "scenario": scenario},
-                "associator": method("nearest_neighbour"),
+                "associator": {"method": "nearest_neighbour"},
                 "filter": {"method": "kalman", "process_noise_m2ps3": 100.0},
                 "tracker": {"gate_probability": 0.999, "initiation": {"method": "truth"}},
                 "comparison": {"gate_m": 1250.0},
