@@ -321,8 +321,10 @@ pub fn unmet_need(associator: &Choice<BuildAssociator>, recording: &Recording) -
     let detections = &recording.detections;
     let (what, lacking, column) = match needs_of(associator) {
         Needs::Nothing | Needs::Places => return None,
-        Needs::Origins if recording.origins_known => return None,
-        Needs::Origins => ("origin", detections.len(), "a 'truth_id' column"),
+        Needs::Origins | Needs::OriginsInGates if recording.origins_known => return None,
+        Needs::Origins | Needs::OriginsInGates => {
+            ("origin", detections.len(), "a 'truth_id' column")
+        }
         Needs::Amplitudes => (
             "amplitude",
             detections
