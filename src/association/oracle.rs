@@ -38,7 +38,8 @@ static PARAMETERS: Object = Object {
     )],
 };
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
+#[serde(default)]
 struct Parameters {
     objectives: bool,
 }

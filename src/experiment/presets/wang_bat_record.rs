@@ -1,6 +1,6 @@
 //! The sea trial of Wang Y., Li Y., Huang H., multi-target data association by the bat algorithm, simulated: no recording is
 //! public. The paper shows six strong targets whose courses cross, run in parallel or close; how near they come it does not say, so
-//! there are two records: one in which a beam tells them apart but for a moment, and a hard one.
+//! there are three records: two in which a beam tells them apart but for some scans, and a hard one.
 
 use super::Preset;
 use super::wang_bat_claims::contenders;
@@ -26,7 +26,7 @@ fn record() -> Preset {
     }
 }
 
-/// Two that cross, two in parallel that a third crosses, two that close to three beam widths; 15 dB.
+/// Two that cross, two that close to four beam widths, two in parallel through a noisy sector; 15 dB.
 fn sea_trial() -> Preset {
     Preset {
         name: "wang-bat-sea-trial".to_owned(),
@@ -34,13 +34,13 @@ fn sea_trial() -> Preset {
                   interference, crossing, closing and in parallel; thresholded every 10 s and tracked by the bat algorithm."
             .to_owned(),
         kind: JobKind::Evaluate,
-        body: body("wang-bat-sea-trial", &fast_crossings(), STRONG_DB),
+        body: body("wang-bat-sea-trial", &one_crossing(), STRONG_DB),
     }
 }
 
 const STRONG_DB: f64 = 15.0;
 
-/// Both records by contenders.
+/// The records by contenders.
 fn sea_trials() -> Preset {
     let name = "wang-bat-sea-trials";
     let record = |name: &str, targets: Value, level_db: f64| {
@@ -49,17 +49,18 @@ fn sea_trials() -> Preset {
         ]})
     };
     let records = [
-        record("sea trial", fast_crossings(), STRONG_DB),
+        record("sea trial", one_crossing(), STRONG_DB),
+        record("three crossings", three_crossings(), STRONG_DB),
         record("hard", slow_crossing(), 10.0),
     ];
-    let mut base = body(name, &fast_crossings(), STRONG_DB);
+    let mut base = body(name, &one_crossing(), STRONG_DB);
     (base["kind"], base["profile"]) = (json!("evaluate"), json!("vision"));
     base["metrics"] = json!([{"metric": "track_keeping"}]);
     let keeping = |quantity: &str| format!("metrics.track_keeping.quantities.{quantity}");
     Preset {
         name: name.to_owned(),
-        summary: "Wang, Li & Huang, the sea trial, simulated: how often each associator keeps all six targets, in a record whose \
-                  crossings are fast and in one with a slow crossing."
+        summary: "Wang, Li & Huang, the sea trial, simulated: how often each associator keeps all six targets, in records with \
+                  one crossing, with three, and with a slow one."
             .to_owned(),
         kind: JobKind::Campaign,
         body: json!({
@@ -81,7 +82,23 @@ fn sea_trials() -> Preset {
     }
 }
 
-fn fast_crossings() -> Value {
+fn one_crossing() -> Value {
+    json!({
+        "kind": "bearings",
+        "crossings": [
+            {"centre_deg": 60.0, "half_width_deg": 30.0, "crossing_time_s": 600.0, "power": 1.0}
+        ],
+        "lines": [
+            {"truth_id": "3", "bearing_deg": 140.0, "rate_degps": 0.01},
+            {"truth_id": "4", "bearing_deg": 176.0, "rate_degps": -0.01},
+            {"truth_id": "5", "bearing_deg": 250.0, "rate_degps": 0.06},
+            {"truth_id": "6", "bearing_deg": 260.0, "rate_degps": 0.06}
+        ]
+    })
+}
+
+/// The fourth crosses the two in parallel, one soon after the other, and the third closes with the second.
+fn three_crossings() -> Value {
     json!({
         "kind": "bearings",
         "crossings": [
@@ -89,7 +106,7 @@ fn fast_crossings() -> Value {
         ],
         "lines": [
             {"truth_id": "3", "bearing_deg": 356.0, "rate_degps": 0.02},
-            {"truth_id": "4", "bearing_deg": 330.0, "rate_degps": -0.06},
+            {"truth_id": "4", "bearing_deg": 345.0, "rate_degps": -0.12},
             {"truth_id": "5", "bearing_deg": 250.0, "rate_degps": 0.06},
             {"truth_id": "6", "bearing_deg": 260.0, "rate_degps": 0.06}
         ]
