@@ -1,6 +1,6 @@
 //! `cargo bench --bench sonar`: what deciding a scan costs on the scenes of bearings, in the yardstick u (one predict and update
-//! of a 4-state Kalman filter) measured in the same run, and as a ratio to JPDA with listed events. Each associator meets all
-//! problems of a run once more, alone between two looks at the clock; the figure is the median of the timed runs.
+//! of a 4-state Kalman filter) measured in the same run, as a share of the sensor's scan period, and as a ratio to JPDA. Each
+//! associator meets all problems of a run once more, alone between two looks at the clock; the figure is the median of the timed runs.
 
 #[path = "support/yardstick.rs"]
 mod yardstick;
@@ -13,10 +13,11 @@ use trackloom_domain::experiment::{plan, presets, run};
 use yardstick::yardstick_ns;
 
 /// Presets, and runs of each cell.
-const SCENES: [(&str, u32); 3] = [
+const SCENES: [(&str, u32); 4] = [
     ("wang-bat-2", 20),
     ("wang-bat-6", 20),
     ("wang-bat-6-ungated", 3),
+    ("wang-bat-sea-trials", 10),
 ];
 
 struct Clock(Instant);
@@ -43,13 +44,16 @@ fn main() {
         preset.body["runs"] = json!(runs);
         let plan = plan(preset.kind, &preset.body).expect("a preset is a plan");
         let outcome = run(&plan, Vec::new(), &mut Clock(Instant::now())).expect("a preset runs");
-        println!("{name}");
+        let period = &preset.body["base"]["input"]["scenario"]["scan_period_s"];
+        let period_us = period.as_f64().expect("scans have a period") * 1e6;
+        println!("{name}: a scan each {} s", period_us / 1e6);
         for time in outcome.cell_times {
             let (us, ratio) = (time.decide_us_per_scan, time.ratio.unwrap_or(1.0));
             println!(
-                "  {:<34} {us:>9.2} µs a scan {:>9.1} u {ratio:>9.3}",
+                "  {:<34} {us:>9.2} µs a scan {:>9.1} u {:>9.2e} of the period {ratio:>9.3}",
                 time.cell,
-                us / u_us
+                us / u_us,
+                us / period_us
             );
         }
     }

@@ -10,6 +10,7 @@
 //! Bands and bars are 95 % intervals.
 
 mod chart;
+mod wang;
 
 use chart::{Axis, Drawn, Panel, Point, Series, draw};
 use serde_json::json;
@@ -376,7 +377,7 @@ impl Observer for Patient {
 }
 
 /// η over the noise: the scene `wang-bat-2` with more noises than the paper's two.
-fn wang(out: &Path) -> Result<(), Box<dyn Error>> {
+fn wang_eta(out: &Path) -> Result<(), Box<dyn Error>> {
     let noises_deg = [0.15, 0.3, 0.45, 0.6, 0.8, 1.0];
     let names = [
         "NN, shared",
@@ -501,9 +502,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let (folder, out) = (Path::new(&folder), Path::new(&out));
     fs::create_dir_all(out)?;
+    wang::figures(out)?;
     liang(folder, out)?;
     growth(folder, out)?;
     cai(folder, out)?;
-    wang(out)?;
+    wang_eta(out)?;
+    wang::eta(folder, out)?;
     huo(folder, out)
 }

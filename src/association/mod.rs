@@ -31,6 +31,15 @@ pub enum Needs {
     /// The target that each came from. Then a track's only candidate, gate or not, is the detection of the target whose
     /// detection started it: the truth, for a yardstick.
     Origins,
+    /// The same, beside the candidates of its gate: [`problem::Problem::own`] says which is the truth.
+    OriginsInGates,
+}
+
+impl Needs {
+    /// Whether detections are chosen by the target that they came from.
+    pub fn is_by_origin(self) -> bool {
+        matches!(self, Needs::Origins | Needs::OriginsInGates)
+    }
 }
 
 /// Weighs the candidates of the tracks of one cluster.

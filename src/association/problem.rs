@@ -39,6 +39,8 @@ pub struct ScanProblem {
     edges: Vec<Edge>,
     amplitudes: Vec<f64>,
     places: Places,
+    /// Of each row; [`NOBODY`] where there is none. Filled only for an associator that is told.
+    own: Vec<u32>,
     problem_index: u32,
     detections: u32,
     clusters: Clusters,
@@ -86,6 +88,7 @@ pub struct Problem<'a> {
     edges: &'a [Edge],
     amplitudes: &'a [f64],
     places: &'a Places,
+    own: &'a [u32],
     problem_index: u32,
     detections: u32,
     members: &'a [u32],
@@ -123,6 +126,7 @@ impl ScanProblem {
     pub fn begin(&mut self, problem_index: u32, detections: usize) {
         self.rows.clear();
         self.edges.clear();
+        self.own.clear();
         self.places.expected.clear();
         self.places.inverses.clear();
         self.problem_index = problem_index;
@@ -172,6 +176,11 @@ impl ScanProblem {
         self.places.inverses.extend_from_slice(inverse);
     }
 
+    /// The detection of the target of the row that the next [`ScanProblem::end_row`] closes, for an associator that is told.
+    pub fn push_own(&mut self, detection: Option<u32>) {
+        self.own.push(detection.unwrap_or(NOBODY));
+    }
+
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
@@ -192,6 +201,7 @@ impl ScanProblem {
             edges,
             amplitudes,
             places,
+            own,
             clusters,
             problem_index,
             detections,
@@ -203,6 +213,7 @@ impl ScanProblem {
                 edges,
                 amplitudes,
                 places,
+                own,
                 problem_index: *problem_index,
                 detections: *detections,
                 members,
@@ -264,6 +275,11 @@ impl<'a> Problem<'a> {
     /// Only for an associator that said it needs places.
     pub fn places(&self) -> &'a Places {
         self.places
+    }
+
+    /// The detection of the target of a row of the scan; only for an associator that said it needs origins in gates.
+    pub fn own(&self, row: usize) -> Option<u32> {
+        Some(self.own[row]).filter(|&detection| detection != NOBODY)
     }
 
     /// The amplitude of a detection; only for an associator that said it needs amplitudes.

@@ -82,6 +82,12 @@ impl Detections {
         );
     }
 
+    /// The unused detection of a target.
+    pub fn own(&self, origin: Option<u32>) -> Option<u32> {
+        let detection = (*self.by_origin.get(origin? as usize)?)?;
+        (!self.used[detection as usize]).then_some(detection)
+    }
+
     /// The same for the detection of one target, inside the gate or not.
     #[inline]
     pub fn of_target<const D: usize>(
@@ -91,9 +97,7 @@ impl Detections {
         angle: Option<usize>,
         mut found: impl FnMut(u32, SVector<f64, D>, f64),
     ) {
-        let detection =
-            origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
-        let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) else {
+        let Some(detection) = self.own(origin) else {
             return;
         };
         let point = SVector::from(self.points()[detection as usize]);

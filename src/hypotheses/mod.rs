@@ -198,7 +198,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         let log_scale = corrector.log_clutter_scale(&expected.measurement);
         let log_density = constants.log_density - log_scale;
         let (problem, changes) = (&mut self.problem, &mut self.changes);
-        let found = |detection, innovation, squared_distance| {
+        let mut found = |detection, innovation, squared_distance| {
             changes.push(C::change(gain, &innovation));
             problem.push_edge(Edge {
                 detection,
@@ -206,11 +206,25 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
                 log_likelihood: log_density + expected.gaussian.log_density(squared_distance),
             });
         };
-        if self.needs == Needs::Origins {
-            self.detections.of_target(origin, expected, C::ANGLE, found);
-        } else {
-            self.detections
-                .inside(&self.gate, expected, C::ANGLE, found);
+        let (detections, gate) = (&self.detections, &self.gate);
+        match self.needs {
+            Needs::Origins => detections.of_target(origin, expected, C::ANGLE, found),
+            Needs::OriginsInGates => {
+                let own = detections.own(origin);
+                detections.of_target(origin, expected, C::ANGLE, &mut found);
+                detections.inside(
+                    gate,
+                    expected,
+                    C::ANGLE,
+                    |detection, innovation, squared| {
+                        if Some(detection) != own {
+                            found(detection, innovation, squared);
+                        }
+                    },
+                );
+                self.problem.push_own(own);
+            }
+            _ => detections.inside(gate, expected, C::ANGLE, found),
         }
         if self.needs == Needs::Places {
             self.problem.push_place(
@@ -263,9 +277,11 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Reading<'_, F, K> {
             self.detections.len(),
             "only reports that the filter can use are let through"
         );
-        match needs {
-            Needs::Origins => detections.index_origins(self.detections),
-            _ => detections.arrange::<D>(),
+        if needs.is_by_origin() {
+            detections.index_origins(self.detections);
+        }
+        if *needs != Needs::Origins {
+            detections.arrange::<D>();
         }
         if *needs == Needs::Places {
             let points = detections.points::<D>().iter();

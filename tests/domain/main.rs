@@ -49,3 +49,4 @@ mod track_fusion;
 mod track_statistics;
 mod two_sensors;
 mod vision;
+mod wang_claims;

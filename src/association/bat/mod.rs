@@ -29,6 +29,7 @@
 //! `weights: visited`, whose sum must cover misses. To the sum of likelihoods alone it is irrelevant. Tracks without a
 //! candidate are in no cluster and never draw. A track alone takes its optimum in closed form; the swarm would find the same.
 
+pub(super) mod at_truth;
 mod cluster;
 mod cluster_rng;
 mod optimality_check;

@@ -5,7 +5,6 @@
 
 use super::auto_filter::settle;
 use super::track::needs_of;
-use crate::association::Needs;
 use crate::experiment::input::sensors;
 use crate::experiment::request::methods::TrackingSpec;
 use crate::filtering::{Filter, WithFilter};
@@ -82,7 +81,7 @@ pub fn compute_gates<'a>(
     };
     let named = settle(&tracking, recording).filter;
     let probability = tracking.tracker.lifecycle.gate_probability;
-    if needs_of(&tracking.associator) == Needs::Origins || probability >= 1.0 {
+    if needs_of(&tracking.associator).is_by_origin() || probability >= 1.0 {
         return None;
     }
     let sensors = sensors::resolve(recording, known, &named, &mut Vec::new()).ok()?;

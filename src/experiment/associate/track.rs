@@ -320,8 +320,10 @@ pub fn unbounded_gate(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault
 pub fn unmet_need(associator: &Choice<BuildAssociator>, recording: &Recording) -> Option<Fault> {
     let (what, lacking, column) = match needs_of(associator) {
         Needs::Nothing | Needs::Places => return None,
-        Needs::Origins if recording.origins_known => return None,
-        Needs::Origins => ("origin", recording.detection_count(), "a 'truth_id' column"),
+        Needs::Origins | Needs::OriginsInGates if recording.origins_known => return None,
+        Needs::Origins | Needs::OriginsInGates => {
+            ("origin", recording.detection_count(), "a 'truth_id' column")
+        }
         Needs::Amplitudes => (
             "amplitude",
             recording

@@ -6,6 +6,7 @@ mod huo2008;
 mod huo2008_claims;
 mod liang2009;
 mod wang_bat;
+mod wang_bat_claims;
 mod wang_bat_record;
 
 use crate::experiment::job::JobKind;
@@ -41,19 +42,26 @@ pub const PAPERS: &[&str] = &[
     "huo2008-relaxation",
     "huo2008-alpha",
     "wang-bat-tables",
+    "wang-bat-clutter",
+    "wang-bat-targets",
+    "wang-bat-crossings",
+    "wang-bat-objective",
+    "wang-bat-alpha-gamma",
+    "wang-bat-sea-trials",
 ];
 
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 7] = [
+const FAMILIES: [(&str, MakePresets); 8] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("cai-fuzzy-", cai_fuzzy_claims::presets),
     ("huo2008", huo2008::presets),
     ("huo2008-", huo2008_claims::presets),
     ("wang-bat-", wang_bat::presets),
-    ("wang-bat-record", wang_bat_record::presets),
+    ("wang-bat-", wang_bat_claims::presets),
+    ("wang-bat-", wang_bat_record::presets),
 ];
 
 /// Every preset.

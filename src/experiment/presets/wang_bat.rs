@@ -12,8 +12,8 @@ use serde_json::{Value, json};
 /// P_G of a gate of five standard deviations in one dimension.
 const FIVE_SIGMA: f64 = 0.999_999_426_696_856;
 
-struct Scene {
-    crossings: Value,
+pub(super) struct Scene {
+    pub crossings: Value,
     scans: u32,
     sigma_deg: f64,
     /// q², deg²/s³.
@@ -21,22 +21,35 @@ struct Scene {
     clutter_within_deg: f64,
 }
 
-pub(super) fn presets() -> Vec<Preset> {
-    let two = Scene {
+/// Two targets that cross once.
+fn two_targets() -> Scene {
+    Scene {
         crossings: json!([{"centre_deg": 265.0, "half_width_deg": 15.0, "crossing_time_s": 65.0, "power": 1.6}]),
         scans: 131,
         sigma_deg: 0.3,
         process_noise: 0.015 * 0.015,
         clutter_within_deg: 5.0,
-    };
-    let pair = |centre: f64, time: f64| json!({"centre_deg": centre, "half_width_deg": 30.0, "crossing_time_s": time, "power": 1.2});
-    let six = |clutter_within_deg| Scene {
+    }
+}
+
+/// Two of the targets of the larger scene.
+pub(super) fn pair(centre_deg: f64, crossing_time_s: f64) -> Value {
+    json!({"centre_deg": centre_deg, "half_width_deg": 30.0, "crossing_time_s": crossing_time_s, "power": 1.2})
+}
+
+/// Six targets, each of which crosses several others.
+pub(super) fn six_targets(clutter_within_deg: f64) -> Scene {
+    Scene {
         crossings: json!([pair(235.0, 55.0), pair(255.0, 70.0), pair(275.0, 85.0)]),
         scans: 141,
         sigma_deg: 0.35,
         process_noise: 0.02 * 0.02,
         clutter_within_deg,
-    };
+    }
+}
+
+pub(super) fn presets() -> Vec<Preset> {
+    let (two, six) = (two_targets(), six_targets(5.0));
     let noise = json!({"by": "values", "name": "sigma_deg", "path": "/input/scenario/sensors/0/sigma_bearing_deg", "values": [0.3, 0.6]});
     vec![
         preset(
@@ -49,14 +62,14 @@ pub(super) fn presets() -> Vec<Preset> {
         preset(
             "wang-bat-6",
             "six targets with several crossings",
-            &six(5.0),
+            &six,
             &[contenders()],
             100,
         ),
         preset(
             "wang-bat-6-ungated",
             "six targets, JPDA's events listed with and without gates beside the bats",
-            &six(2.5),
+            &six_targets(2.5),
             &[ungated()],
             5,
         ),
@@ -64,14 +77,15 @@ pub(super) fn presets() -> Vec<Preset> {
             "wang-bat-tables",
             "two targets with noise 0.3° and 0.6°, and six targets, in one",
             &two,
-            &[scenes(&two, &six(5.0)), contenders()],
+            &[scenes(), contenders()],
             1000,
         ),
     ]
 }
 
 /// The scenes of the tables as an axis.
-fn scenes(two: &Scene, six: &Scene) -> Value {
+pub(super) fn scenes() -> Value {
+    let (two, six) = (&two_targets(), &six_targets(5.0));
     let variant = |name: &str, scene: &Scene, sigma_deg: f64| {
         let mut scenario = scenario(scene);
         scenario["sensors"][0]["sigma_bearing_deg"] = json!(sigma_deg);
@@ -99,7 +113,13 @@ fn scenario(scene: &Scene) -> Value {
     })
 }
 
-fn preset(name: &str, summary: &str, scene: &Scene, grid: &[Value], runs: u32) -> Preset {
+pub(super) fn preset(
+    name: &str,
+    summary: &str,
+    scene: &Scene,
+    grid: &[Value],
+    runs: u32,
+) -> Preset {
     let base = json!({
         "kind": "evaluate",
         "input": {"source": "scenario", "scenario": scenario(scene)},
@@ -134,11 +154,11 @@ fn preset(name: &str, summary: &str, scene: &Scene, grid: &[Value], runs: u32) -
     }
 }
 
-fn axis(variants: Vec<Value>) -> Value {
+pub(super) fn axis(variants: Vec<Value>) -> Value {
     json!({"by": "variants", "name": "associator", "variants": variants})
 }
 
-fn variant(name: &str, associator: Value) -> Value {
+pub(super) fn variant(name: &str, associator: Value) -> Value {
     json!({"name": name, "set": [{"path": "/associator", "value": associator}]})
 }
 
@@ -151,6 +171,7 @@ fn contenders() -> Value {
         variant("NN, in turn", nearest("in_turn")),
         variant("NN, closest pair", nearest("closest_pair")),
         variant("GNN", json!({"method": "global_nearest_neighbour"})),
+        variant("PDA", json!({"method": "pda"})),
         variant("JPDA, enumerated", jpda("enumerate")),
         variant("JPDA, exact", jpda("exact")),
         variant("BADA, sum", bats("likelihood_sum", "best")),

@@ -137,6 +137,6 @@ pub(super) fn pair_rule(lifecycle: &Lifecycle, needs: Needs, variables: usize) -
         max_speed_mps,
         max_wait_scans,
         gate_threshold: gate_threshold(lifecycle.gate_probability, (variables / 2) as u32),
-        by_origin: needs == Needs::Origins,
+        by_origin: needs.is_by_origin(),
     })
 }
