@@ -85,12 +85,14 @@ fn of_scene(scenario: &Scenario, seed: Seed) -> [Found; 4] {
     compare(&objects, 25, seed)
 }
 
+type Quantity = fn(&Found) -> f64;
+
 fn tell(cell: &str, found: &[[Found; 4]]) {
     let preset = "cai_tables --genetic";
-    let column = |method: usize, of: fn(&Found) -> f64| -> Vec<f64> {
+    let column = |method: usize, of: Quantity| -> Vec<f64> {
         found.iter().map(|found| of(&found[method])).collect()
     };
-    let quantities: [(&str, fn(&Found) -> f64); 3] = [
+    let quantities: [(&str, Quantity); 3] = [
         ("mean squared error", |found| found.mean_squared_error),
         ("J", |found| found.cost),
         ("rounds of distances", |found| found.rounds as f64),
@@ -101,10 +103,10 @@ fn tell(cell: &str, found: &[[Found; 4]]) {
             row(preset, &cell, quantity, &column(method, of));
         }
         for (quantity, of) in &quantities[..2] {
-            for reference in 0..method.min(2) {
+            for (reference, other) in METHODS.iter().enumerate().take(method.min(2)) {
                 let pairs = column(method, *of).into_iter().zip(column(reference, *of));
-                let ratios: Vec<f64> = pairs.map(|(value, other)| value / other).collect();
-                let quantity = format!("{quantity} over that of {}", METHODS[reference]);
+                let ratios: Vec<f64> = pairs.map(|(over, under)| over / under).collect();
+                let quantity = format!("{quantity} over that of {other}");
                 row(preset, &cell, &quantity, &ratios);
             }
         }

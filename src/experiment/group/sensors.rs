@@ -50,8 +50,8 @@ fn report_of(
     reports: &[&Measurement],
 ) -> Result<MeasurementModel, Vec<Fault>> {
     let is_polar = |report: &&Measurement| matches!(report, Measurement::RangeBearing { .. });
-    if !reports.is_empty() && reports.iter().all(|report| is_polar(report)) {
-        return polar_of(settings).map_err(|fault| vec![fault]);
+    if !reports.is_empty() && reports.iter().all(is_polar) {
+        return polar_of(settings);
     }
     let mut faults = Vec::new();
     if reports.iter().any(|report| report.position().is_none()) {
@@ -86,19 +86,21 @@ fn unknown_noise(settings: &SensorSettings, wanted: &str) -> Fault {
 }
 
 /// A sensor of ranges and bearings, which are turned into positions.
-fn polar_of(settings: &SensorSettings) -> Result<MeasurementModel, Fault> {
+fn polar_of(settings: &SensorSettings) -> Result<MeasurementModel, Vec<Fault>> {
     let (Some(sigma_range_m), Some(sigma_bearing_deg)) =
         (settings.sigma_range_m, settings.sigma_bearing_deg)
     else {
         let wanted = "'sigma_range_m' and 'sigma_bearing_deg'";
-        return Err(unknown_noise(settings, wanted).allowing("> 0"));
+        return Err(vec![unknown_noise(settings, wanted).allowing("> 0")]);
     };
     let (Some(x_m), Some(y_m)) = (settings.x_m, settings.y_m) else {
         let detail = format!(
             "the place of sensor '{}' is not known: give 'x_m' and 'y_m' in 'sensors'",
             settings.sensor_id
         );
-        return Err(Fault::new("/sensors", "missing", detail).allowing("finite numbers"));
+        return Err(vec![
+            Fault::new("/sensors", "missing", detail).allowing("finite numbers"),
+        ]);
     };
     // Rates are compared, and update no track: how false ones are spread does not matter.
     let range_rate = settings.sigma_range_rate_mps.map(|sigma_mps| RangeRate {
