@@ -57,7 +57,7 @@ fn the_strongest_neighbour_follows_strong_echoes_and_loses_weak_ones() {
         "amplitudes change nothing for those who do not look at them"
     );
     let faults = identity("strongest_neighbour", None).unwrap_err();
-    assert_eq!(faults[0].pointer, "/associator");
+    assert_eq!(faults[0].pointer, "/associator/method");
 }
 
 #[test]
