@@ -503,10 +503,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (folder, out) = (Path::new(&folder), Path::new(&out));
     fs::create_dir_all(out)?;
     wang::figures(out)?;
+    wang::eta(folder, out)?;
     liang(folder, out)?;
     growth(folder, out)?;
     cai(folder, out)?;
     wang_eta(out)?;
-    wang::eta(folder, out)?;
     huo(folder, out)
 }

@@ -117,18 +117,21 @@ pub fn eta(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
             "Six targets, over clutter",
             crate::axis("false detections per degree", [-0.03, 0.83], &clutter),
             &clutter.map(|number| (number, format!("{number:?}"))),
+            0.0,
         )?,
         eta_over(
             &Cells::of_campaign(folder, "wang-bat-targets")?,
             "Over targets",
             crate::axis("targets", [1.6, 10.4], &targets),
             &targets.map(|number| (number, number.to_string())),
+            70.0,
         )?,
         eta_over(
             &Cells::of_campaign(folder, "wang-bat-crossings")?,
             "Six targets, over crossings",
             crate::axis("crossings", [-0.4, 9.4], &crossings),
             &crossings.map(|number| (number, number.to_string())),
+            70.0,
         )?,
     ];
     draw(&out.join("wang-eta-scenes.svg"), &panels)
@@ -139,6 +142,7 @@ fn eta_over(
     title: &'static str,
     x: Axis,
     along: &[(f64, String)],
+    low: f64,
 ) -> Result<Panel, Box<dyn Error>> {
     let mut series = Vec::new();
     for (look, name) in [
@@ -157,11 +161,10 @@ fn eta_over(
             .map(|(x, point)| (*x, format!("{point}, {name}")));
         series.push(cells.series(name, (look, Drawn::Curve), ("identity", 100.0), of)?);
     }
-    let ticks = [0.0, 20.0, 40.0, 60.0, 80.0, 100.0];
     Ok(Panel {
         title,
         x,
-        y: crate::axis("runs that keep all targets (%)", [-3.0, 103.0], &ticks),
+        y: crate::percent("runs that keep all targets (%)", low, 10.0),
         series,
     })
 }

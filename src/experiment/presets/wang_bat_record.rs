@@ -43,15 +43,10 @@ const STRONG_DB: f64 = 15.0;
 /// The records by contenders.
 fn sea_trials() -> Preset {
     let name = "wang-bat-sea-trials";
-    let record = |name: &str, targets: Value, level_db: f64| {
-        json!({"name": name, "set": [
-            {"path": "/input/scenario/targets", "value": targets}, {"path": "/input/scenario/record/levels_db", "value": [level_db]}
-        ]})
-    };
     let records = [
-        record("sea trial", one_crossing(), STRONG_DB),
-        record("three crossings", three_crossings(), STRONG_DB),
-        record("hard", slow_crossing(), 10.0),
+        record_variant("sea trial", one_crossing(), STRONG_DB),
+        record_variant("three crossings", three_crossings(), STRONG_DB),
+        record_variant("hard", slow_crossing(), 10.0),
     ];
     let mut base = body(name, &one_crossing(), STRONG_DB);
     (base["kind"], base["profile"]) = (json!("evaluate"), json!("vision"));
@@ -80,6 +75,12 @@ fn sea_trials() -> Preset {
             "compare": {"axis": "associator", "to": "JPDA"}
         }),
     }
+}
+
+fn record_variant(name: &str, targets: Value, level_db: f64) -> Value {
+    json!({"name": name, "set": [
+        {"path": "/input/scenario/targets", "value": targets}, {"path": "/input/scenario/record/levels_db", "value": [level_db]}
+    ]})
 }
 
 fn one_crossing() -> Value {
