@@ -14,9 +14,10 @@ from pathlib import Path
 import cai_fuzzy
 import huo2008
 import liang2009
+import wang_bat
 
 COLUMNS = ["preset", "cell", "quantity", "value", "low", "high", "runs", "seed"]
-PAPERS = [liang2009, cai_fuzzy, huo2008]
+PAPERS = [liang2009, cai_fuzzy, huo2008, wang_bat]
 
 
 def main(rows, out):
