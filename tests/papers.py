@@ -1,0 +1,81 @@
+#!/usr/bin/env python3
+"""Whether the campaigns of docs/papers.md still give its numbers.
+
+Usage: papers.py TRACKLOOM [SHARE]. Runs every campaign of the preset `papers` with this share of its runs (0.1 unless said; 1 for
+all), makes the rows of docs/data of them, and holds each against the stored row: the two values are no further apart than twice
+what their 95 % intervals reach together. Times, which are ratios of one machine, are not compared.
+Exit code 1: something differs, or a row is missing.
+"""
+
+import csv
+import json
+import math
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+DATA = Path(__file__).resolve().parent.parent / "docs" / "data"
+sys.path.insert(0, str(DATA))
+sys.dont_write_bytecode = True
+
+import make  # noqa: E402
+
+FEWEST_RUNS = 3
+
+
+def main(trackloom, share):
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        presets = sorted(path.stem for path in DATA.glob("*.csv") if is_campaign(trackloom, path.stem))
+        with ThreadPoolExecutor(2) as pool:
+            list(pool.map(lambda preset: run(trackloom, preset, share, folder / preset), presets))
+        stored = {preset: table(DATA / f"{preset}.csv") for preset in presets}
+        told = [fault for paper in make.PAPERS for fault in compared(paper, folder, stored)]
+    print(f"{len(presets)} campaigns, {sum(map(len, stored.values()))} numbers stored, {len(told)} differ")
+    print("\n".join(told[:40]))
+    return 1 if told or not presets else 0
+
+
+def is_campaign(trackloom, name):
+    found = subprocess.run([trackloom, "presets", name], capture_output=True, text=True)
+    return found.returncode == 0 and "grid" in json.loads(found.stdout)
+
+
+def run(trackloom, preset, share, out):
+    body = json.loads(subprocess.run([trackloom, "presets", preset], check=True, capture_output=True, text=True).stdout)
+    runs = max(FEWEST_RUNS, math.ceil(body["runs"] * share))
+    subprocess.run([trackloom, "run", "--preset", preset, "--runs", str(runs), "--out", str(out)],
+                   check=True, capture_output=True)
+
+
+def table(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return {(row["cell"], row["quantity"]): row for row in csv.DictReader(file)}
+
+
+def compared(paper, folder, stored):
+    for row in getattr(paper, "campaign_rows", paper.rows)(folder):
+        old = stored.get(row["preset"], {}).get((row["cell"], row["quantity"]))
+        where = f"{row['preset']}, {row['cell']}, {row['quantity']}"
+        if "time" in row["quantity"]:
+            continue
+        if old is None:
+            yield f"{where}: not stored"
+        elif not are_near(old, row):
+            yield f"{where}: {old['value']} ({old['low']} to {old['high']}) is stored, {row['value']} ({row['low']} to {row['high']}) found"
+
+
+def are_near(old, new):
+    """A value without an interval says too little of few runs to be compared."""
+    if not all((old["low"], old["high"], new["low"], new["high"])):
+        return True
+    value, low, high = (float(old[name]) for name in ("value", "low", "high"))
+    other, other_low, other_high = (float(new[name]) for name in ("value", "low", "high"))
+    reach = max(high - value, value - low) + max(other_high - other, other - other_low)
+    return abs(value - other) <= 2 * reach + 1e-6 * max(abs(value), abs(other))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 0.1))
