@@ -114,6 +114,9 @@ class Session:
                 writer.writeheader()
                 writer.writerows(rows)
         (self.folder / "trial7-truth.csv").write_bytes((self.folder / "scene/truth.csv").read_bytes())
+        # The file that the page shows, as it stands there.
+        shown = re.search(r"```\n(time_s,scan,sensor_id,.*?)```", (ROOT / "docs/recordings.md").read_text(), re.DOTALL)
+        (self.folder / "four-sensors.csv").write_text(shown[1])
         for sensor in ["radar", "lidar"]:
             job = {"kind": "associate", "input": {"source": "file", "path": "scene/detections.csv", "sensor_ids": [sensor]},
                    "sensors": [{**SENSORS[0], "sensor_id": sensor}]}
