@@ -2,8 +2,8 @@
 """Whether the campaigns of docs/papers.md still give its numbers.
 
 Usage: papers.py TRACKLOOM [SHARE]. Runs every campaign of the preset `papers` with this share of its runs (0.1 unless said; 1 for
-all), makes the rows of docs/data of them, and holds each against the stored row: the two values are no further apart than twice
-what their 95 % intervals reach together. Times, which are ratios of one machine, are not compared.
+all), makes the rows of docs/data of them, and holds each against the stored row: the two values are no further apart than one and a
+half times what their 95 % intervals reach together. Times, which are ratios of one machine, are not compared.
 Exit code 1: something differs, or a row is missing.
 """
 
@@ -68,13 +68,13 @@ def compared(paper, folder, stored):
 
 
 def are_near(old, new):
-    """A value without an interval says too little of few runs to be compared."""
-    if not all((old["low"], old["high"], new["low"], new["high"])):
+    """What fewer runs give has the interval of all of them, wider by the root of the share."""
+    if not all((old["value"], old["low"], old["high"], new["value"])):
         return True
-    value, low, high = (float(old[name]) for name in ("value", "low", "high"))
-    other, other_low, other_high = (float(new[name]) for name in ("value", "low", "high"))
-    reach = max(high - value, value - low) + max(other_high - other, other - other_low)
-    return abs(value - other) <= 2 * reach + 1e-6 * max(abs(value), abs(other))
+    value, low, high, other = (float(text) for text in (old["value"], old["low"], old["high"], new["value"]))
+    share = int(new["runs"]) / int(old["runs"])
+    reach = max(high - value, value - low) * (1 + 1 / math.sqrt(share))
+    return abs(value - other) <= 1.5 * reach + 1e-6 * max(abs(value), abs(other))
 
 
 if __name__ == "__main__":
