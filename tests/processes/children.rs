@@ -194,7 +194,7 @@ async fn a_job_whose_process_dies_is_made_again_and_gives_the_same_and_twice_is_
 async fn runs_whose_process_dies_twice_are_given_up_after_the_others_and_made_by_a_rerun() {
     let data = tempfile::tempdir().unwrap();
     let server = Server::start(data.path(), &["--workers", "1"]);
-    let id = server.submit("campaign", &campaign(200)).await;
+    let id = server.submit("campaign", &campaign(1000)).await;
     server
         .job_until(&id, |job| job["progress"]["done"].as_u64() > Some(0))
         .await;
@@ -220,7 +220,7 @@ async fn runs_whose_process_dies_twice_are_given_up_after_the_others_and_made_by
         .to_owned();
     let (result, whole) = (
         server.result(&again).await,
-        server.submit("campaign", &campaign(200)).await,
+        server.submit("campaign", &campaign(1000)).await,
     );
     assert!(
         result == server.result(&whole).await,
