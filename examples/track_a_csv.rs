@@ -1,4 +1,4 @@
-//! Tracks the positions of a CSV file (time_s, sensor_id, x_m, y_m; noise of 10 m) and prints track, time and state:
+//! Tracks the positions of a CSV file (time_s, sensor_id, x_m, y_m; noise of 10 m, aircraft) and prints track, time and state:
 //! `cargo run --release -p trackloom-domain --example track_a_csv -- DETECTIONS.csv`.
 
 use std::{error::Error, fs::File, io::BufReader};
@@ -19,7 +19,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut tracker = (TRACKERS[0].build)(TrackerParts {
         filter: AnyFilter::kalman(1.0),
         associator: Box::new(GlobalNearestNeighbour::default()),
-        lifecycle: Lifecycle::default(),
+        lifecycle: Lifecycle {
+            initial_speed_sigma_mps: 300.0,
+            ..Lifecycle::default()
+        },
         sensors: recording.sensors.iter().map(sensor).collect(),
         given: Vec::new(),
     });
