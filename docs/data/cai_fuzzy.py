@@ -7,10 +7,9 @@
 """
 
 import csv
-import json
 from pathlib import Path
 
-COLUMNS = ["preset", "cell", "quantity", "value", "low", "high", "runs", "seed"]
+from campaign import Campaign, ends
 
 # Outcomes that the page uses, of each preset: with the difference to what the cell is compared with, where that is used.
 KEPT = {
@@ -29,49 +28,25 @@ CLUSTERS = 25
 
 
 def rows(folder):
-    """Dictionaries with COLUMNS as keys."""
     folder = Path(folder)
     for preset, kept in KEPT.items():
-        report = json.loads((folder / preset / "report.json").read_text())
-        for cell in report["result"]["cells"]:
-            for outcome, is_compared in kept.items():
-                yield from of_outcome(preset, report, cell, outcome, is_compared)
-        if preset == "cai-fuzzy-duplicates":
-            for cell in report["result"]["cells"]:
-                yield from distances(preset, report, cell)
+        of = Campaign.of(folder, preset)
+        for cell in of.cells:
+            yield from of.outcomes(cell, kept)
+            if preset == "cai-fuzzy-duplicates":
+                yield distances(of, cell)
     for name in EXAMPLES:
         if (folder / name).exists():
             with open(folder / name, newline="") as file:
                 yield from csv.DictReader(file)
 
 
-def of_outcome(preset, report, cell, outcome, is_compared):
-    """The mean of a cell, and how it differs from the cell that it is compared with."""
-    found = cell["outcomes"][outcome]
-    if found["mean"] is not None:
-        yield row(preset, report, cell, outcome, found["mean"], found["interval"], found["count"])
-    difference = cell.get("differences", {}).get(outcome)
-    if is_compared and difference and difference["mean"] is not None:
-        quantity = f"{outcome} less {cell['compared_with']}'s"
-        yield row(preset, report, cell, quantity, difference["mean"], difference["interval"], difference["pairs"])
-
-
-def distances(preset, report, cell):
+def distances(of, cell):
     """Distances computed at one instant: of all reports to all clusters, once, and again in every iteration."""
-    of = cell["outcomes"]
-    pairs = CLUSTERS * of["reports"]["mean"] / of["instants"]["mean"]
-    iterations = of["iterations"]
-    quantity = "distances an instant"
+    found = cell["outcomes"]
+    pairs = CLUSTERS * found["reports"]["mean"] / found["instants"]["mean"]
+    iterations, quantity = found["iterations"], "distances an instant"
     if iterations["mean"] is None:
-        yield row(preset, report, cell, quantity, pairs, None, cell["runs"])
-        return
-    interval = {end: pairs * (1 + iterations["interval"][end]) for end in ("low", "high")}
-    yield row(preset, report, cell, quantity, pairs * (1 + iterations["mean"]), interval, cell["runs"])
-
-
-def row(preset, report, cell, quantity, value, interval, runs):
-    interval = interval or {"low": "", "high": ""}
-    name = " | ".join(str(value) for value in cell["parameters"].values())
-    number = lambda found: "" if found == "" else f"{found:.6g}"
-    values = [preset, name, quantity, number(value), number(interval["low"]), number(interval["high"]), runs, report["seed"]]
-    return dict(zip(COLUMNS, values))
+        return of.row(cell["name"], quantity, pairs, None, cell["runs"])
+    interval = tuple(pairs * (1 + end) for end in ends(iterations["interval"]))
+    return of.row(cell["name"], quantity, pairs * (1 + iterations["mean"]), interval, cell["runs"])

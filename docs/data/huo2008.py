@@ -1,12 +1,10 @@
 """The numbers of Huo et al. in docs/papers.md, one a row: means and intervals of the campaigns, and what is counted run by run."""
 
-import csv
-import json
 import math
 import statistics
-from collections import defaultdict
 
 import huo2008_plain
+from campaign import Campaign, ends
 
 # Outcomes that the page uses, and whether their difference to the cell that a cell is compared with is used, too.
 KEPT = {
@@ -26,71 +24,27 @@ TIMED = ["huo2008-printed", "huo2008-integer-programming", "huo2008-relaxation"]
 
 def rows(folder):
     yield from campaign_rows(folder)
-    plain = Campaign("huo2008-printed", 1, {})
+    plain = Campaign("huo2008-printed", 1)
     yield from shares_and_gaps(plain, "3 × 10, plain program", huo2008_plain.gaps())
 
 
 def campaign_rows(folder):
     """Without the plain program, which takes minutes."""
     for preset, kept in KEPT.items():
-        report = json.loads((folder / preset / "report.json").read_text())
-        of = Campaign(preset, report["seed"], runs_of(folder / preset / "runs.csv"))
-        for cell in report["result"]["cells"]:
+        of = Campaign.of(folder, preset)
+        runs = of.runs()
+        for cell in of.cells:
             if preset == "huo2008-study" and not cell["name"].endswith(STUDIED):
                 continue
-            for outcome, is_compared in kept.items():
-                yield from of_outcome(of, cell, outcome, is_compared)
-            yield from counted(of, cell)
+            yield from of.outcomes(cell, kept)
+            yield from counted(of, cell, runs)
         if preset in TIMED:
-            for time in report["timing"]["cells"]:
-                yield of.row(time["cell"], "time, of what it is compared with", time["ratio"], None, time["timed_runs"])
+            yield from of.time_ratios()
 
 
-class Campaign:
-    """A preset, its seed, and the outcomes of each run of each cell."""
-
-    def __init__(self, preset, seed, runs):
-        self.preset, self.seed, self.runs = preset, seed, runs
-
-    def row(self, cell, quantity, value, interval, runs):
-        low, high = interval if interval else (None, None)
-        numbers = [written(number) for number in (value, low, high)]
-        return dict(zip(["preset", "cell", "quantity", "value", "low", "high", "runs", "seed"],
-                        [self.preset, cell, quantity, *numbers, runs, self.seed]))
-
-
-def written(number):
-    """Seven digits; what rounding leaves of nothing is 0."""
-    if number is None:
-        return ""
-    return "0" if abs(number) < 1e-9 else f"{number:.7g}"
-
-
-def runs_of(path):
-    cells = defaultdict(list)
-    with open(path, newline="") as file:
-        for run in csv.DictReader(file):
-            cells[run["cell"]].append({name: float(text) for name, text in run.items() if name != "cell" and text})
-    return cells
-
-
-def of_outcome(of, cell, outcome, is_compared):
-    found = cell["outcomes"][outcome]
-    if found["mean"] is not None:
-        yield of.row(cell["name"], outcome, found["mean"], ends(found["interval"]), found["count"])
-    difference = cell.get("differences", {}).get(outcome)
-    if is_compared and difference and difference["mean"] is not None:
-        yield of.row(cell["name"], f"{outcome}, less {cell['compared_with']}", difference["mean"],
-                     ends(difference["interval"]), difference["pairs"])
-
-
-def ends(interval):
-    return interval and (interval["low"], interval["high"])
-
-
-def counted(of, cell):
+def counted(of, cell, runs_of):
     """What no outcome of a campaign is: counted, or reckoned run by run."""
-    name, runs = cell["name"], of.runs[cell["name"]]
+    name, runs = cell["name"], runs_of[cell["name"]]
     if of.preset == "huo2008-printed":
         yield from shares_and_gaps(of, name, [run["gap"] for run in runs])
     elif of.preset == "huo2008-integer-programming":
@@ -99,7 +53,7 @@ def counted(of, cell):
         yield of.row(name, "false tuples", *mean(false_tuples(runs)))
         other = cell.get("compared_with")
         if other and other != name:
-            pairs = zip(false_tuples(runs), false_tuples(of.runs[other]))
+            pairs = zip(false_tuples(runs), false_tuples(runs_of[other]))
             yield of.row(name, f"false tuples, less {other}", *mean([one - two for one, two in pairs]))
     elif of.preset == "huo2008-alpha":
         found = cell["outcomes"]["recall"]

@@ -10,8 +10,9 @@ import tempfile
 from collections import defaultdict
 from pathlib import Path
 
+from campaign import Campaign
+
 CAMPAIGNS = ["liang2009-table1", "liang2009-clutter", "liang2009-beginnings"]
-COLUMNS = ["preset", "cell", "quantity", "value", "low", "high", "runs", "seed"]
 # Seconds of the paper's Table 1: targets, NN, PDA, JPDA.
 TABLE_1 = [(10, 0.52, 0.60, 0.67), (30, 1.62, 1.84, 2.05), (50, 2.56, 2.83, 3.14),
            (80, 4.12, 4.23, 4.40), (100, 5.25, 5.36, 5.52)]
@@ -22,13 +23,9 @@ SEEDS = 20
 def rows(folder):
     """Of the campaigns that `trackloom run --preset papers` leaves in a folder."""
     for preset in CAMPAIGNS:
-        report = json.loads((folder / preset / "report.json").read_text())
-        for cell in report["result"]["cells"]:
-            for outcome, found in cell["outcomes"].items():
-                yield row(preset, cell["name"], outcome, found["mean"], *ends(found), found["count"])
-            for outcome, found in cell.get("differences", {}).items():
-                name = f"{outcome}, less {cell['compared_with']}"
-                yield row(preset, cell["name"], name, found["mean"], *ends(found), found["pairs"])
+        of = Campaign.of(folder, preset)
+        for cell in of.cells:
+            yield from of.outcomes(cell, dict.fromkeys(cell["outcomes"], True))
 
 
 def measured(trackloom):
@@ -36,18 +33,9 @@ def measured(trackloom):
     with tempfile.TemporaryDirectory() as folder:
         program = Program(trackloom, Path(folder))
         for part in (times_beside_table_1, over_length, memory, around_switches):
-            for table, *numbers in part(program):
-                yield row(f"liang2009-{table}", *numbers)
-
-
-def row(preset, cell, quantity, value, low, high, runs):
-    numbers = ["" if number is None else f"{number:.6g}" for number in (value, low, high)]
-    return dict(zip(COLUMNS, [preset, cell, quantity, *numbers, runs, 1]))
-
-
-def ends(found):
-    interval = found.get("interval") or {"low": None, "high": None}
-    return interval["low"], interval["high"]
+            for table, cell, quantity, value, low, high, runs in part(program):
+                interval = None if low is None else (low, high)
+                yield Campaign(f"liang2009-{table}", 1).row(cell, quantity, value, interval, runs)
 
 
 class Program:

@@ -15,8 +15,8 @@ import cai_fuzzy
 import huo2008
 import liang2009
 import wang_bat
+from campaign import COLUMNS
 
-COLUMNS = ["preset", "cell", "quantity", "value", "low", "high", "runs", "seed"]
 PAPERS = [liang2009, cai_fuzzy, huo2008, wang_bat]
 
 
