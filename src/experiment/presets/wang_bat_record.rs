@@ -84,48 +84,37 @@ fn record_variant(name: &str, targets: Value, level_db: f64) -> Value {
 }
 
 fn one_crossing() -> Value {
-    json!({
-        "kind": "bearings",
-        "crossings": [
-            {"centre_deg": 60.0, "half_width_deg": 30.0, "crossing_time_s": 600.0, "power": 1.0}
-        ],
-        "lines": [
-            {"truth_id": "3", "bearing_deg": 140.0, "rate_degps": 0.01},
-            {"truth_id": "4", "bearing_deg": 176.0, "rate_degps": -0.01},
-            {"truth_id": "5", "bearing_deg": 250.0, "rate_degps": 0.06},
-            {"truth_id": "6", "bearing_deg": 260.0, "rate_degps": 0.06}
-        ]
-    })
+    bearings(
+        vec![fast_crossing()],
+        vec![line("3", 140.0, 0.01), line("4", 176.0, -0.01)],
+    )
 }
 
 /// The fourth crosses the two in parallel, one soon after the other, and the third closes with the second.
 fn three_crossings() -> Value {
-    json!({
-        "kind": "bearings",
-        "crossings": [
-            {"centre_deg": 60.0, "half_width_deg": 30.0, "crossing_time_s": 600.0, "power": 1.0}
-        ],
-        "lines": [
-            {"truth_id": "3", "bearing_deg": 356.0, "rate_degps": 0.02},
-            {"truth_id": "4", "bearing_deg": 345.0, "rate_degps": -0.12},
-            {"truth_id": "5", "bearing_deg": 250.0, "rate_degps": 0.06},
-            {"truth_id": "6", "bearing_deg": 260.0, "rate_degps": 0.06}
-        ]
-    })
+    bearings(
+        vec![fast_crossing()],
+        vec![line("3", 356.0, 0.02), line("4", 345.0, -0.12)],
+    )
 }
 
 fn slow_crossing() -> Value {
-    json!({
-        "kind": "bearings",
-        "crossings": [
-            {"centre_deg": 60.0, "half_width_deg": 30.0, "crossing_time_s": 600.0, "power": 1.0},
-            {"centre_deg": 165.0, "half_width_deg": 12.0, "crossing_time_s": 800.0, "power": 1.6}
-        ],
-        "lines": [
-            {"truth_id": "5", "bearing_deg": 250.0, "rate_degps": 0.06},
-            {"truth_id": "6", "bearing_deg": 260.0, "rate_degps": 0.06}
-        ]
-    })
+    let slow = json!({"centre_deg": 165.0, "half_width_deg": 12.0, "crossing_time_s": 800.0, "power": 1.6});
+    bearings(vec![fast_crossing(), slow], Vec::new())
+}
+
+/// Six targets: two in parallel, and what differs between the records.
+fn bearings(crossings: Vec<Value>, mut lines: Vec<Value>) -> Value {
+    lines.extend([line("5", 250.0, 0.06), line("6", 260.0, 0.06)]);
+    json!({"kind": "bearings", "crossings": crossings, "lines": lines})
+}
+
+fn fast_crossing() -> Value {
+    json!({"centre_deg": 60.0, "half_width_deg": 30.0, "crossing_time_s": 600.0, "power": 1.0})
+}
+
+fn line(truth_id: &str, bearing_deg: f64, rate_degps: f64) -> Value {
+    json!({"truth_id": truth_id, "bearing_deg": bearing_deg, "rate_degps": rate_degps})
 }
 
 fn body(name: &str, targets: &Value, level_db: f64) -> Value {

@@ -203,6 +203,11 @@ fn a_tracker_that_is_read_back_goes_on_to_the_bit() {
     }
 }
 
+fn small_scene() -> Scene {
+    let input = &presets::find("liang2009-10").unwrap().body["input"];
+    Scene::of("liang2009-10".into(), &json!({"input": input}))
+}
+
 fn this_test() -> String {
     let module = module_path!().split_once("::").unwrap().1;
     format!("{module}::a_tracker_that_is_read_back_goes_on_to_the_bit")
@@ -246,12 +251,7 @@ fn after_any_scan_a_tracker_can_be_written_down() {
 
 #[test]
 fn what_no_tracker_wrote_is_refused() {
-    let scene = Scene::of(
-        "liang2009-10".into(),
-        &presets::find("liang2009-10")
-            .map(|preset| json!({"input": preset.body["input"]}))
-            .unwrap(),
-    );
+    let scene = small_scene();
     let mut tracker = scene.tracker();
     scene.feed(tracker.as_mut(), 0..3);
     let written = String::from_utf8(tracker.write_down()).unwrap();
@@ -267,12 +267,7 @@ fn what_no_tracker_wrote_is_refused() {
 
 #[test]
 fn a_scan_from_before_is_late_and_changes_nothing() {
-    let scene = Scene::of(
-        "liang2009-10".into(),
-        &presets::find("liang2009-10")
-            .map(|preset| json!({"input": preset.body["input"]}))
-            .unwrap(),
-    );
+    let scene = small_scene();
     let recording = scene.data.recording().unwrap();
     let mut tracker = scene.tracker();
     scene.feed(tracker.as_mut(), 0..3);
