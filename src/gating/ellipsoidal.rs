@@ -36,6 +36,11 @@ impl EllipsoidalGate {
         }
     }
 
+    /// γ of measurements of so many values, 1 to 4.
+    pub fn threshold(&self, dimensions: usize) -> f64 {
+        self.thresholds[dimensions - 1]
+    }
+
     /// ln V of the gate around a Gaussian with covariance S: V = c_D γ^(D/2) √det S, in the units of the measurement;
     /// c_D is the volume of the unit ball, π in the plane.
     #[inline]

@@ -8,8 +8,8 @@ use super::track::needs_of;
 use crate::experiment::input::sensors;
 use crate::experiment::request::methods::TrackingSpec;
 use crate::filtering::{Filter, WithFilter};
+use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::hypotheses::region;
-use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Recording, Scan};
 use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::{Sensor, SensorSettings};
@@ -88,13 +88,14 @@ pub fn compute_gates<'a>(
     if !named.filter.is_known_by_kinematics() {
         return None;
     }
+    let gate = EllipsoidalGate::new(probability);
     let dimensions = sensors.iter().map(|sensor| sensor.report.dimensions());
     let walk = Walk {
         sensors: &sensors,
         scans: &recording.scans,
         set: tracks,
-        probability,
-        threshold: gate_threshold(probability, dimensions.max()? as u32),
+        threshold: gate.threshold(dimensions.max()?),
+        gate,
         wanted,
     };
     named.filter.with(walk)
@@ -105,8 +106,7 @@ struct Walk<'s, 'a, W> {
     sensors: &'s [Sensor],
     scans: &'s [Scan],
     set: &'a TrackSet,
-    /// P_G.
-    probability: f64,
+    gate: EllipsoidalGate,
     /// γ.
     threshold: f64,
     wanted: W,
@@ -194,6 +194,6 @@ impl<'a, W> Walk<'_, 'a, W> {
 
     /// All gates are told by one threshold: the covariance of a report of fewer values is made smaller instead.
     fn scale_of(&self, report: &MeasurementModel) -> f64 {
-        gate_threshold(self.probability, report.dimensions() as u32) / self.threshold
+        self.gate.threshold(report.dimensions()) / self.threshold
     }
 }

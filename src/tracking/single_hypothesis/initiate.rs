@@ -77,10 +77,12 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     /// Starts the track of a pair, unless its score says at once that it is clutter.
     fn start_with_two(&mut self, mut pair: Pair<K>, recorder: &mut dyn Recorder) {
         let (sensor, lifecycle) = (&self.sensors[pair.second.sensor], self.lifecycle);
-        let log_ratio = (sensor.p_d / sensor.clutter_density).ln() - pair.log_reach_volume;
+        let constants = LikelihoodConstants::new(sensor, lifecycle.gate_probability);
         let mut life = lifecycle.start();
-        let log_missed = LikelihoodConstants::new(sensor, lifecycle.gate_probability).log_missed;
-        (0..pair.missed).for_each(|_| lifecycle.advance(&mut life, false, log_missed));
+        for _ in 0..pair.missed {
+            lifecycle.advance(&mut life, false, constants.log_missed);
+        }
+        let log_ratio = constants.log_density - pair.log_reach_volume;
         lifecycle.advance(&mut life, true, log_ratio);
         if life.is_over() {
             return;

@@ -34,9 +34,9 @@ const NAME: &str = "single_hypothesis";
 pub const METHOD: Method<BuildTracker> = Method {
     name: NAME,
     parameters: &LIFECYCLE,
-    build: |mut parts| {
-        let (filter, given) = (parts.filter, std::mem::take(&mut parts.given));
-        filter.with(Building { parts, given })
+    build: |parts| {
+        let filter = parts.filter;
+        filter.with(Building(parts))
     },
 };
 
@@ -98,25 +98,22 @@ struct Scratch<F: Filter<K>, const K: usize> {
 }
 
 /// Makes the tracker of a filter.
-struct Building {
-    parts: TrackerParts,
-    given: Vec<GivenTrack>,
-}
+struct Building(TrackerParts);
 
 impl WithFilter for Building {
     type Output = Box<dyn Tracker>;
 
     fn in_plane<F: Filter<4>>(self, filter: F) -> Box<dyn Tracker> {
-        Box::new(SingleHypothesis::new(filter, self.parts, self.given))
+        Box::new(SingleHypothesis::new(filter, self.0))
     }
 
     fn of_bearings<F: Filter<2>>(self, filter: F) -> Box<dyn Tracker> {
-        Box::new(SingleHypothesis::new(filter, self.parts, self.given))
+        Box::new(SingleHypothesis::new(filter, self.0))
     }
 }
 
 impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
-    fn new(filter: F, parts: TrackerParts, given: Vec<GivenTrack>) -> Self {
+    fn new(filter: F, parts: TrackerParts) -> Self {
         let (lifecycle, needs) = (parts.lifecycle, parts.associator.needs());
         let mut tracker = SingleHypothesis {
             filter,
@@ -138,7 +135,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             kept: None,
             scratch: Scratch::new(lifecycle.gate_probability, needs),
         };
-        given.into_iter().for_each(|given| tracker.add(given));
+        for given in parts.given {
+            tracker.add(given);
+        }
         tracker
     }
 
