@@ -62,6 +62,7 @@ test("a mistake in the names of columns is shown at the column and corrected the
   const set = await api(`/v1/datasets/${parameters(page).get("dataset")}`);
   assert.deepEqual([set.kind, set.rows, set.scans], ["detections", 3, 2]);
   await page.getByRole("heading", { name: "renamed.csv" }).waitFor();
+  await page.locator(".table-frame tbody tr").first().waitFor();
   const shownRows = await page
     .locator(".table-frame tbody tr")
     .evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.innerText)));
