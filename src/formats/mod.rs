@@ -5,6 +5,7 @@ mod autoferry_items;
 mod autoferry_sensors;
 mod bearing_time;
 pub mod csv;
+pub mod feed;
 pub mod json;
 mod json_document;
 mod json_text;
@@ -14,11 +15,13 @@ pub mod mot;
 pub mod npy;
 mod options;
 mod table;
+mod units;
 
 pub use self::csv::write_csv;
 pub use json::write_json;
 pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};
+pub use units::{Reason, Rejected, Units};
 
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;

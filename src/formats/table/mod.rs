@@ -16,6 +16,7 @@ mod truth;
 pub use degrees::degrees;
 pub use fault_log::FaultLog;
 pub use header::pointer_token;
+pub use interner::Interner;
 pub use repeats::Repeats;
 
 use super::{ReadOptions, ReadOutcome};
