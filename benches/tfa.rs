@@ -230,6 +230,7 @@ fn point(scan: usize, first_candidate: u32, is_seen: bool) -> TrackPoint {
     let time_s = 8.0 * (scan + 1) as f64;
     let estimate = Kinematics::of_plane(&State::new(1.0, 2.0, 3.0, 4.0), true, None);
     TrackPoint {
+        height_m: None,
         time_s,
         sensor: Some(0),
         estimate,

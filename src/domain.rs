@@ -2,7 +2,7 @@
 //!
 //! Layers, each using only those above it in this list:
 //!
-//! - [`model`], [`math`], [`registry`]: words and tools.
+//! - [`model`], [`math`], [`registry`], [`geodesy`]: words and tools.
 //! - [`simulation`], [`detection`], [`filtering`], [`gating`], [`association`], [`correlation`], [`evaluation`], [`formats`]: the
 //!   steps; siblings do not know each other.
 //! - [`hypotheses`]: gates and likelihoods of tracks and detections, from filters and gates.
@@ -18,6 +18,7 @@ pub mod experiment;
 pub mod filtering;
 pub mod formats;
 pub mod gating;
+pub mod geodesy;
 pub mod hypotheses;
 pub mod math;
 pub mod model;

@@ -9,6 +9,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("model", &[]),
     ("math", &["model"]),
     ("registry", &["model"]),
+    ("geodesy", &["model"]),
     ("simulation", BASE),
     ("detection", BASE),
     ("filtering", BASE),
@@ -40,6 +41,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "model",
             "math",
             "registry",
+            "geodesy",
             "simulation",
             "evaluation",
             "formats",
@@ -48,11 +50,12 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
 ];
-const BASE: &[&str] = &["model", "math", "registry"];
+const BASE: &[&str] = &["model", "math", "registry", "geodesy"];
 const PURE: &[&str] = &[
     "model",
     "math",
     "registry",
+    "geodesy",
     "simulation",
     "detection",
     "filtering",

@@ -220,6 +220,7 @@ mod tests {
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
         let estimate = Kinematics::of_plane(&State::zeros(), false, None);
         TrackPoint {
+            height_m: None,
             time_s,
             sensor,
             estimate,

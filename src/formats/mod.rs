@@ -4,6 +4,7 @@ pub mod autoferry;
 mod autoferry_items;
 mod autoferry_sensors;
 mod bearing_time;
+mod clock;
 pub mod csv;
 pub mod feed;
 pub mod json;
@@ -14,6 +15,7 @@ mod loose;
 pub mod mot;
 pub mod npy;
 mod options;
+mod reading;
 mod table;
 mod units;
 
@@ -21,6 +23,7 @@ pub use self::csv::write_csv;
 pub use json::write_json;
 pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};
+pub use reading::{Identity, Reading, SensorSite};
 pub use units::{Reason, Rejected, Units};
 
 use crate::model::dataset::{Dataset, DatasetKind};

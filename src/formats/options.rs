@@ -1,19 +1,21 @@
 //! What a format has to be told of a file besides its content: fields of the format's own table.
 
 use super::FORMATS;
+use super::reading::READING;
 use crate::registry::{Field, count_fields, joined};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-const TABLES: [&[Field]; FORMATS.len()] = {
-    let mut tables: [&[Field]; FORMATS.len()] = [&[]; FORMATS.len()];
+const TABLES: [&[Field]; FORMATS.len() + 1] = {
+    let mut tables: [&[Field]; FORMATS.len() + 1] = [&[]; FORMATS.len() + 1];
     let mut format = 0;
     while format < FORMATS.len() {
         tables[format] = FORMATS[format].options;
         format += 1;
     }
+    tables[FORMATS.len()] = READING;
     tables
 };
 
@@ -29,6 +31,18 @@ impl FormatOptions {
     /// The option, where it is given and is what its format takes.
     pub fn get<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
         T::deserialize(self.0.get(name)?).ok()
+    }
+
+    /// All options as one value that says what it takes of them.
+    ///
+    /// # Errors
+    /// An option that is not of the type that the value wants.
+    pub fn parse<T: DeserializeOwned>(&self) -> serde_json::Result<T> {
+        let fields = self
+            .0
+            .iter()
+            .map(|(name, value)| (name.clone(), value.clone()));
+        T::deserialize(Value::Object(fields.collect()))
     }
 
     pub fn iter(&self) -> impl Iterator<Item = (&String, &Value)> {

@@ -5,6 +5,8 @@ use super::boxes::BoxSet;
 use super::facts::RecordingFacts;
 use super::fault::Fault;
 use super::scan::Recording;
+use super::space::Frame;
+use super::time::TimeBase;
 use super::track::TrackSet;
 use super::truth::TruthSet;
 use serde::{Deserialize, Serialize};
@@ -73,6 +75,11 @@ pub struct DatasetSummary {
     pub first_bearing_deg: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_bearing_deg: Option<f64>,
+    /// Where on the Earth its origin is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Frame>,
+    #[serde(default)]
+    pub time_base: TimeBase,
     /// Of detections; what was kept before this was known has to be read once more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facts: Option<RecordingFacts>,
@@ -133,10 +140,32 @@ impl Dataset {
             end_s: times_s.iter().copied().reduce(f64::max),
             first_bearing_deg: bearings_deg.map(|(first, _)| first.to_degrees()),
             last_bearing_deg: bearings_deg.map(|(_, last)| last.to_degrees()),
+            frame: self.frame(),
+            time_base: self.time_base(),
             facts: match self {
                 Dataset::Detections(recording) => Some(RecordingFacts::from_recording(recording)),
                 _ => None,
             },
+        }
+    }
+
+    /// Where on the Earth its origin is; boxes and bearing-time records have none.
+    pub fn frame(&self) -> Option<Frame> {
+        match self {
+            Dataset::Detections(recording) => recording.frame,
+            Dataset::Truth(truth) => truth.frame,
+            Dataset::Tracks(tracks) => tracks.frame,
+            Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) | Dataset::BearingTime(_) => None,
+        }
+    }
+
+    pub fn time_base(&self) -> TimeBase {
+        match self {
+            Dataset::Detections(recording) => recording.time_base,
+            Dataset::Truth(truth) => truth.time_base,
+            Dataset::Tracks(tracks) => tracks.time_base,
+            Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) => TimeBase::Relative,
+            Dataset::BearingTime(_) => TimeBase::Relative,
         }
     }
 

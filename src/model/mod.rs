@@ -4,7 +4,9 @@
 
 pub mod allowance;
 pub mod angle;
+pub mod attributes;
 pub mod bearing_time;
+pub mod beside;
 pub mod boxes;
 pub mod dataset;
 pub mod facts;
@@ -18,6 +20,7 @@ pub mod sensing;
 pub mod sensor;
 pub mod space;
 pub mod state;
+pub mod time;
 pub mod track;
 pub mod truth;
 pub mod watch;

@@ -1,10 +1,12 @@
 //! Recorded or simulated detections: a list of scans, each one revisit of one sensor.
 
+use super::beside::Beside;
 use super::fault::Fault;
 use super::scan_numbers;
 use super::sensor::SensorSettings;
 use super::space::{Frame, Pose};
 use super::state::Position;
+use super::time::TimeBase;
 use std::ops::Range;
 
 /// What a sensor reported for one detection. Bearings are clockwise from north (y), in radians.
@@ -96,12 +98,15 @@ impl Scan {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RecordingParts {
     pub frame: Option<Frame>,
+    pub time_base: TimeBase,
     pub sensors: Vec<SensorSettings>,
     /// In order of time, then sensor; scans that saw nothing are here too.
     pub scans: Vec<Scan>,
     /// One identity a detection, in scan order, unique within its scan. Its place in this list is the detection's index in the
     /// recording.
     pub detection_ids: Vec<String>,
+    /// What is known of the detections besides, in the same order.
+    pub beside: Beside,
     /// Names of the targets that origins refer to.
     pub targets: Vec<String>,
     /// Whether the recording says which target each detection came from.
@@ -205,6 +210,7 @@ impl Recording {
         check_known("recording has", &known, sensor_ids)?;
         let mut parts = RecordingParts {
             frame: self.frame,
+            time_base: self.time_base,
             targets: self.targets.clone(),
             origins_known: self.origins_known,
             ..Default::default()
@@ -233,8 +239,10 @@ impl Recording {
                 sensor,
                 ..scan.clone()
             });
-            let ids = &self.detection_ids[first..first + scan.detections.len()];
+            let range = first..first + scan.detections.len();
+            let ids = &self.detection_ids[range.clone()];
             parts.detection_ids.extend_from_slice(ids);
+            parts.beside.extend(&self.beside, range);
         }
         Recording::new(parts)
     }
@@ -301,6 +309,10 @@ fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {
 }
 
 fn check_detections(parts: &RecordingParts, faults: &mut Vec<Fault>) {
+    if !parts.beside.fits(parts.detection_ids.len()) {
+        let detail = "what is known beside the detections is not of all of them";
+        faults.push(Fault::new("/beside", "malformed", detail));
+    }
     if parts.detection_ids.len() != parts.detections().count() {
         faults.push(Fault::new(
             "/detection_ids",

@@ -16,6 +16,18 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub y_m: Option<f64>,
+    /// Latitude of where it stands (WGS 84); `x_m` and `y_m` come from it where the data have a frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub lat_deg: Option<f64>,
+    /// Longitude of where it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub lon_deg: Option<f64>,
+    /// Height of where it stands, above the ellipsoid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub height_m: Option<f64>,
     /// Radius of the field of view around the sensor's position.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
@@ -66,11 +78,16 @@ impl SensorSettings {
     pub fn misfits(&self) -> Vec<Misfit> {
         const POSITIVE: (&str, fn(f64) -> bool) = ("> 0", |value| value > 0.0 && value.is_finite());
         const FINITE: (&str, fn(f64) -> bool) = ("a finite number", f64::is_finite);
+        const LATITUDE: (&str, fn(f64) -> bool) = ("-90 to 90", |value| value.abs() <= 90.0);
+        const LONGITUDE: (&str, fn(f64) -> bool) = ("-180 to 180", |value| value.abs() <= 180.0);
         const PROBABILITY: (&str, fn(f64) -> bool) =
             ("(0, 1]", |value| value > 0.0 && value <= 1.0);
         let checks = [
             ("x_m", self.x_m, FINITE),
             ("y_m", self.y_m, FINITE),
+            ("lat_deg", self.lat_deg, LATITUDE),
+            ("lon_deg", self.lon_deg, LONGITUDE),
+            ("height_m", self.height_m, FINITE),
             ("max_range_m", self.max_range_m, POSITIVE),
             ("p_d", self.p_d, PROBABILITY),
             ("clutter_per_m2", self.clutter_per_m2, POSITIVE),
@@ -100,6 +117,9 @@ impl SensorSettings {
             sensor_id: self.sensor_id.clone(),
             x_m: other.x_m.or(self.x_m),
             y_m: other.y_m.or(self.y_m),
+            lat_deg: other.lat_deg.or(self.lat_deg),
+            lon_deg: other.lon_deg.or(self.lon_deg),
+            height_m: other.height_m.or(self.height_m),
             max_range_m: other.max_range_m.or(self.max_range_m),
             p_d: other.p_d.or(self.p_d),
             clutter_per_m2: other.clutter_per_m2.or(self.clutter_per_m2),

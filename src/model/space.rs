@@ -3,6 +3,7 @@
 use super::fault::Fault;
 use super::state::packed_len;
 use nalgebra::SVector;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
 /// East, north, up (m), or their rates; of a direction the bearing clockwise from north (rad) in the first place. Axes that a
@@ -80,11 +81,36 @@ impl Pose {
 
 /// Where the origin of a set is on the Earth (WGS 84). In the plane x and y are those of the oblique stereographic projection
 /// about it, in a volume axes point east, north and up there. Angles stay as they were given, so that they are written so.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(try_from = "RawFrame")]
 pub struct Frame {
+    #[serde(rename = "lat_deg")]
     latitude_deg: f64,
+    #[serde(rename = "lon_deg")]
     longitude_deg: f64,
     height_m: f64,
+}
+
+/// A frame that nobody has checked yet.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFrame {
+    lat_deg: f64,
+    lon_deg: f64,
+    #[serde(default)]
+    height_m: f64,
+}
+
+impl TryFrom<RawFrame> for Frame {
+    type Error = String;
+
+    fn try_from(raw: RawFrame) -> Result<Self, String> {
+        Frame::new(raw.lat_deg, raw.lon_deg, raw.height_m).map_err(|faults| {
+            let details: Vec<String> = faults.into_iter().map(|fault| fault.detail).collect();
+            details.join("; ")
+        })
+    }
 }
 
 impl Frame {

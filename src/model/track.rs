@@ -1,9 +1,11 @@
 //! Tracks: what a tracker says the targets did, with the detections it gave them and how sure it was.
 
+use super::attributes::Attributes;
 use super::fault::Fault;
 use super::scan::check_known;
 use super::space::{Frame, Place, Space};
 use super::state::{Covariance, Packed, Position, State, from_upper_triangle, upper_triangle};
+use super::time::TimeBase;
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -104,6 +106,8 @@ pub struct TrackPoint {
     /// Index into [`TrackSet::sensor_ids`]; `None` where the file does not say.
     pub sensor: Option<u32>,
     pub estimate: Kinematics,
+    /// Of a set in the plane: how high the target was, where that is known. No distance reads it.
+    pub height_m: Option<f64>,
     pub status: Option<TrackStatus>,
     /// Normalised innovation squared of the update at this scan, the mean over its detections by their weights; `None` where
     /// there was no detection, or one that started the track.
@@ -124,7 +128,9 @@ pub struct Track {
 pub struct TrackSet {
     pub space: Space,
     pub frame: Option<Frame>,
+    pub time_base: TimeBase,
     pub tracks: Vec<Track>,
+    pub attributes: Attributes,
     pub candidates: Vec<Candidate>,
     /// Names of the detections that candidates refer to.
     pub detection_ids: Vec<String>,

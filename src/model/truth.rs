@@ -1,8 +1,10 @@
 //! Ground truth: where each target really was.
 
+use super::attributes::Attributes;
 use super::fault::Fault;
 use super::space::{Frame, Place, Space};
 use super::state::Position;
+use super::time::TimeBase;
 
 /// Where a target was at one time. All points of a set are of its space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,11 +12,14 @@ pub struct TruthPoint {
     pub time_s: f64,
     pub position: Place,
     pub velocity: Option<Place>,
+    /// Of a set in the plane: how high the target was, where that is known. No distance reads it.
+    pub height_m: Option<f64>,
 }
 
 impl TruthPoint {
     pub fn in_plane(time_s: f64, position_m: Position, velocity_mps: Option<Position>) -> Self {
         TruthPoint {
+            height_m: None,
             time_s,
             position: position_m.push(0.0),
             velocity: velocity_mps.map(|velocity_mps| velocity_mps.push(0.0)),
@@ -23,6 +28,7 @@ impl TruthPoint {
 
     pub fn at_bearing(time_s: f64, bearing_rad: f64) -> Self {
         TruthPoint {
+            height_m: None,
             time_s,
             position: Place::new(bearing_rad, 0.0, 0.0),
             velocity: None,
@@ -105,6 +111,9 @@ impl Target {
 pub struct TruthSet {
     space: Space,
     pub frame: Option<Frame>,
+    pub time_base: TimeBase,
+    /// What is known of targets besides, by their names.
+    pub attributes: Attributes,
     targets: Vec<Target>,
 }
 
@@ -149,8 +158,8 @@ impl TruthSet {
             let has_points = targets.iter().any(|target| !target.points.is_empty());
             Ok(TruthSet {
                 space: space.of_points(has_points),
-                frame: None,
                 targets,
+                ..TruthSet::default()
             })
         } else {
             Err(faults)

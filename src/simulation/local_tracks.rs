@@ -277,6 +277,7 @@ fn track(
         let position_m = start_m + course_mps * time_s;
         let state = State::new(position_m[0], position_m[1], course_mps[0], course_mps[1]) + error;
         points.push(TrackPoint {
+            height_m: None,
             time_s,
             sensor: Some(0),
             estimate: Kinematics::of_plane(&state, true, Some(&covariance)),

@@ -141,6 +141,6 @@ pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         sigma_range_m: sensor.sigma_range_m,
         sigma_bearing_deg: sensor.sigma_bearing_deg,
         sigma_range_rate_mps: sensor.sigma_range_rate_mps,
-        may_start: None,
+        ..SensorSettings::default()
     }
 }

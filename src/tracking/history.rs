@@ -2,6 +2,7 @@
 
 use super::recorder::{RecordedPoint, Recorder};
 use crate::hypotheses::bounds;
+use crate::model::attributes::Attributes;
 use crate::model::scan::{Recording, Scan};
 use crate::model::space::Space;
 use crate::model::track::{Candidate, Kinematics, Track, TrackPoint, TrackSet, TrackStatus};
@@ -142,7 +143,9 @@ impl History {
         TrackSet {
             space,
             frame: recording.frame,
+            time_base: recording.time_base,
             tracks,
+            attributes: Attributes::new(),
             candidates: self.candidates,
             detection_ids: recording.detection_ids.clone(),
             sensor_ids: recording
@@ -162,6 +165,7 @@ fn point(
 ) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];
     TrackPoint {
+        height_m: None,
         time_s: scan.time_s,
         sensor: Some(scan.sensor as u32),
         estimate,

@@ -15,6 +15,7 @@ use trackloom_domain::simulation::{
 /// A sensor with one track: times with states.
 fn node(name: &str, points: &[(f64, [f64; 4])], estimate: impl Fn(State) -> Kinematics) -> Node {
     let point = |&(time_s, state): &(f64, [f64; 4])| TrackPoint {
+        height_m: None,
         time_s,
         sensor: None,
         estimate: estimate(State::from(state)),

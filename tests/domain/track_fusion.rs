@@ -241,6 +241,7 @@ fn the_recursion_finds_what_two_filters_have_in_common() {
     let mut expected = vec![Matrix4::zeros()];
     let mut tracks: Vec<Vec<TrackPoint>> = vec![Vec::new(), Vec::new()];
     let point = |time: usize, covariance: Matrix4<f64>| TrackPoint {
+        height_m: None,
         time_s: time as f64,
         sensor: None,
         estimate: Kinematics::of_plane(&State::zeros(), true, Some(&covariance)),

@@ -99,6 +99,7 @@ fn point(
     let has_velocity = evidence.estimates.has_velocity;
     let time_s = evidence.estimates.times_s[time];
     Some(TrackPoint {
+        height_m: None,
         time_s,
         sensor: None,
         estimate: Kinematics::of_plane(&state.mean, has_velocity, Some(&state.covariance)),

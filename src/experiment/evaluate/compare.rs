@@ -324,6 +324,7 @@ mod tests {
         };
         let truth = TruthSet::new(Space::Plane, vec![target]).unwrap();
         let point = |time_s| TrackPoint {
+            height_m: None,
             time_s,
             sensor: None,
             estimate: Kinematics::of_plane(&State::zeros(), false, None),

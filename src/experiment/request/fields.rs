@@ -94,6 +94,13 @@ pub static SENSOR_SETTINGS: Object = Object {
         required("sensor_id", "Name of the sensor in the recording.", NAME),
         optional("x_m", "Position, east.", PLACE),
         optional("y_m", "Position, north.", PLACE),
+        optional(
+            "lat_deg",
+            "Latitude (WGS 84), in place of x_m and y_m where the data have an origin on the Earth.",
+            number(-90.0, 90.0, "deg"),
+        ),
+        optional("lon_deg", "Longitude.", number(-180.0, 180.0, "deg")),
+        optional("height_m", "Height above the ellipsoid.", PLACE),
         optional("max_range_m", "Radius of the field of view.", RANGE),
         optional(
             "p_d",

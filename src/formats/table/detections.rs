@@ -331,12 +331,12 @@ impl Builder {
         };
         let sensors = names.into_iter().map(settings).collect();
         Recording::new(RecordingParts {
-            frame: None,
             sensors,
             scans,
             detection_ids: self.ids,
             targets,
             origins_known,
+            ..RecordingParts::default()
         })
     }
 }

@@ -243,11 +243,11 @@ impl Builder {
         let detection_ids = renumber(&mut candidates, self.detections.into_names());
         TrackSet {
             space: space.of_points(!tracks.is_empty()),
-            frame: None,
             tracks,
             candidates,
             detection_ids,
             sensor_ids,
+            ..TrackSet::default()
         }
     }
 }
@@ -276,6 +276,7 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
     let status = read_status(reader, columns);
     let nis = read_nis(reader, columns);
     Some(TrackPoint {
+        height_m: None,
         time_s: time_s?,
         sensor: None,
         estimate: estimate?,

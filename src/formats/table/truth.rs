@@ -80,6 +80,7 @@ fn read_row(
     }
     let path = &mut paths[index];
     let point = time_s.zip(estimate).map(|(time_s, estimate)| TruthPoint {
+        height_m: None,
         time_s,
         position: estimate.position,
         velocity: estimate.velocity,

@@ -223,6 +223,7 @@ fn track_set(rows: &[Row]) -> TrackSet {
 pub fn track_point(time_s: f64, state: State, covariance: Option<Covariance>) -> TrackPoint {
     let estimate = Kinematics::of_plane(&state, true, covariance.as_ref());
     TrackPoint {
+        height_m: None,
         time_s,
         sensor: None,
         estimate,

@@ -290,6 +290,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         State::new(x, y, 0.0, 0.0)
     };
     TrackPoint {
+        height_m: None,
         time_s,
         sensor: sensor.then_some(0),
         estimate: Kinematics::of_plane(&state, has_velocity, covariance.as_ref()),

@@ -123,6 +123,7 @@ fn point(set: &mut TrackSet, time_s: f64, word: &str) -> TrackPoint {
     let status = tentative.then_some(TrackStatus::Tentative);
     let candidates = set.candidates.len() - first_candidate;
     TrackPoint {
+        height_m: None,
         status,
         first_candidate: first_candidate as u32,
         candidates: candidates as u32,
@@ -134,6 +135,7 @@ fn bare_point(time_s: f64, x_m: f64, y_m: f64) -> TrackPoint {
     let state = State::new(x_m, y_m, 0.0, 0.0);
     let estimate = Kinematics::of_plane(&state, false, None);
     TrackPoint {
+        height_m: None,
         time_s,
         sensor: None,
         estimate,

@@ -1,0 +1,23 @@
+//! What the times of a set are counted from.
+
+use serde::{Deserialize, Serialize};
+
+/// Times are seconds; from when, the set says.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum TimeBase {
+    /// From whatever the file chose.
+    #[default]
+    Relative,
+    /// From 1970-01-01 00:00 UTC, leap seconds not counted.
+    Utc,
+    /// The same, but the day was told or assumed: the file has times of day only.
+    AssumedDate,
+}
+
+impl TimeBase {
+    pub fn is_utc(self) -> bool {
+        self != TimeBase::Relative
+    }
+}
