@@ -85,10 +85,11 @@ fn detections(mut scans: Vec<FerryScan>, mut faults: FaultLog) -> Result<ReadOut
         ));
     }
     faults.finish()?;
-    Ok(ReadOutcome {
-        dataset: Dataset::Detections(recording(&scans)?),
-        warnings: Vec::new(),
-    })
+    Ok(ReadOutcome::all_used(
+        Dataset::Detections(recording(&scans)?),
+        Vec::new(),
+        "measurement",
+    ))
 }
 
 fn name(scan: &FerryScan) -> &'static str {
@@ -141,10 +142,11 @@ fn truth(
         .collect();
     faults.finish()?;
     targets.sort_by(|a, b| natural_order(&a.truth_id, &b.truth_id));
-    Ok(ReadOutcome {
-        dataset: Dataset::Truth(TruthSet::new(Space::Plane, targets)?),
-        warnings: Vec::new(),
-    })
+    Ok(ReadOutcome::all_used(
+        Dataset::Truth(TruthSet::new(Space::Plane, targets)?),
+        Vec::new(),
+        "measurement",
+    ))
 }
 
 /// A target's path: in order of time, each time once.

@@ -36,10 +36,11 @@ pub(super) fn read(rows: &mut dyn Rows) -> Result<ReadOutcome, Vec<Fault>> {
     }
     faults.finish()?;
     let record = BearingTimeRecord::new(parts).map_err(super::of_file)?;
-    Ok(ReadOutcome {
-        dataset: Dataset::BearingTime(record),
-        warnings: Vec::new(),
-    })
+    Ok(ReadOutcome::all_used(
+        Dataset::BearingTime(record),
+        Vec::new(),
+        "row",
+    ))
 }
 
 /// The header.

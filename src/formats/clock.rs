@@ -18,6 +18,7 @@ pub struct Clock {
     utc_offset_s: Option<f64>,
     added_s: f64,
     day_s: Option<f64>,
+    of_numbers: TimeBase,
     way: Option<Way>,
     /// The time before, of times of day.
     before_s: Option<f64>,
@@ -52,17 +53,18 @@ impl Clock {
             utc_offset_s: reading.utc_offset_s,
             added_s: reading.clock_offset_s.unwrap_or_default(),
             day_s: reading.day_s().ok().flatten(),
+            of_numbers: reading.time_base.unwrap_or_default(),
             ..Clock::default()
         }
     }
 
-    /// What the times read so far are counted from. Numbers as large as those of this century are taken for Unix seconds where
-    /// `unix` says that they are.
+    /// What the times read so far are counted from; of numbers nobody but the request knows.
     pub fn base(&self) -> TimeBase {
         match self.way {
             Some(Way::Instant) => TimeBase::Utc,
             Some(Way::TimeOfDay) if self.day_s.is_some() => TimeBase::AssumedDate,
-            _ => TimeBase::Relative,
+            Some(Way::TimeOfDay) => TimeBase::Relative,
+            Some(Way::Number) | None => self.of_numbers,
         }
     }
 
@@ -84,6 +86,26 @@ impl Clock {
             Way::TimeOfDay => self.of_day(time_s),
         };
         Ok(time_s + self.added_s)
+    }
+
+    /// The same of a file whose numbers count from 1970: those too large for seconds are milli-, micro- or nanoseconds.
+    ///
+    /// # Errors
+    /// As of [`Clock::read`].
+    pub fn read_unix(&mut self, text: &str) -> Result<f64, NoTime> {
+        let number: Option<f64> = text.parse().ok().filter(|_| self.format.is_none());
+        let Some(number) = number else {
+            return self.read(text);
+        };
+        if !number.is_finite() {
+            return Err(NoTime::NotFinite);
+        }
+        // The year 5138 in seconds.
+        let mut unit_s = 1.0;
+        while number * unit_s > 1e11 {
+            unit_s *= 1e-3;
+        }
+        Ok(number * unit_s + self.added_s)
     }
 
     fn recognise(&mut self, text: &str) -> Option<(Way, f64)> {

@@ -6,10 +6,12 @@ mod autoferry_sensors;
 mod bearing_time;
 mod clock;
 pub mod csv;
+mod disorder;
 pub mod feed;
 pub mod json;
 mod json_document;
 mod json_text;
+mod layouts;
 mod lines;
 mod loose;
 pub mod mot;
@@ -17,17 +19,16 @@ pub mod npy;
 mod options;
 mod reading;
 mod table;
-mod units;
 
 pub use self::csv::write_csv;
 pub use json::write_json;
 pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};
 pub use reading::{Identity, Reading, SensorSite};
-pub use units::{Reason, Rejected, Units};
 
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
+pub use crate::model::units::{Reason, Rejected, Units};
 use crate::registry::Field;
 use std::collections::BTreeMap;
 use std::io::BufRead;
@@ -48,6 +49,20 @@ pub struct ReadOptions {
 pub struct ReadOutcome {
     pub dataset: Dataset,
     pub warnings: Vec<String>,
+    pub units: Units,
+}
+
+impl ReadOutcome {
+    /// Of a format that uses every unit or refuses the file.
+    fn all_used(dataset: Dataset, warnings: Vec<String>, unit: &str) -> Self {
+        let mut counted = Units::called(unit);
+        counted.use_up(dataset.row_count() as u64);
+        ReadOutcome {
+            dataset,
+            warnings,
+            units: counted,
+        }
+    }
 }
 
 /// A way to read datasets. Faults carry line and column; of more than [`MAX_FAULTS`] the first are kept, and one more

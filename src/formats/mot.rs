@@ -283,7 +283,7 @@ impl Reader {
         } else {
             Dataset::TrackBoxes(set)
         };
-        Ok(ReadOutcome { dataset, warnings })
+        Ok(ReadOutcome::all_used(dataset, warnings, "box"))
     }
 }
 

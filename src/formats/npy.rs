@@ -105,10 +105,11 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
         levels_db,
     };
     let record = BearingTimeRecord::new(parts).map_err(of_file)?;
-    Ok(ReadOutcome {
-        dataset: Dataset::BearingTime(record),
-        warnings: Vec::new(),
-    })
+    Ok(ReadOutcome::all_used(
+        Dataset::BearingTime(record),
+        Vec::new(),
+        "row",
+    ))
 }
 
 fn malformed(detail: impl Into<String>) -> Fault {

@@ -5,6 +5,7 @@ use super::clock::Clock;
 use super::options::FormatOptions;
 use crate::model::fault::Fault;
 use crate::model::space::Frame;
+use crate::model::time::TimeBase;
 use crate::registry::{Field, Kind, Object, above, default, list, number, optional, required};
 use serde::Deserialize;
 
@@ -56,6 +57,11 @@ pub const READING: &[Field] = &[
         "clock_offset_s",
         "Added to every time: the offset between this clock and another.",
         number(-1e9, 1e9, "s"),
+    ),
+    optional(
+        "time_base",
+        "What numbers are seconds from: `utc` of 1970-01-01 00:00 UTC; `relative` when absent.",
+        Kind::Choice(&["utc", "relative"]),
     ),
     optional(
         "date",
@@ -130,6 +136,7 @@ pub struct Reading {
     pub time_format: Option<String>,
     pub utc_offset_s: Option<f64>,
     pub clock_offset_s: Option<f64>,
+    pub time_base: Option<TimeBase>,
     pub date: Option<String>,
     pub start: Option<String>,
     pub receiver: Option<Frame>,

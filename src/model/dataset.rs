@@ -9,6 +9,7 @@ use super::space::Frame;
 use super::time::TimeBase;
 use super::track::TrackSet;
 use super::truth::TruthSet;
+use super::units::Units;
 use serde::{Deserialize, Serialize};
 
 /// What a dataset holds.
@@ -80,6 +81,9 @@ pub struct DatasetSummary {
     pub frame: Option<Frame>,
     #[serde(default)]
     pub time_base: TimeBase,
+    /// How the units of its file fared; of what a job made there is no file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub units: Option<Units>,
     /// Of detections; what was kept before this was known has to be read once more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facts: Option<RecordingFacts>,
@@ -142,6 +146,7 @@ impl Dataset {
             last_bearing_deg: bearings_deg.map(|(_, last)| last.to_degrees()),
             frame: self.frame(),
             time_base: self.time_base(),
+            units: None,
             facts: match self {
                 Dataset::Detections(recording) => Some(RecordingFacts::from_recording(recording)),
                 _ => None,
@@ -159,6 +164,15 @@ impl Dataset {
         }
     }
 
+    pub fn set_time_base(&mut self, base: TimeBase) {
+        match self {
+            Dataset::Detections(recording) => recording.set_time_base(base),
+            Dataset::Truth(truth) => truth.time_base = base,
+            Dataset::Tracks(tracks) => tracks.time_base = base,
+            Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) | Dataset::BearingTime(_) => {}
+        }
+    }
+
     pub fn time_base(&self) -> TimeBase {
         match self {
             Dataset::Detections(recording) => recording.time_base,
@@ -166,6 +180,21 @@ impl Dataset {
             Dataset::Tracks(tracks) => tracks.time_base,
             Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) => TimeBase::Relative,
             Dataset::BearingTime(_) => TimeBase::Relative,
+        }
+    }
+
+    /// Detections, truth points, track points, boxes or cells.
+    pub fn row_count(&self) -> usize {
+        match self {
+            Dataset::Detections(recording) => recording.detection_count(),
+            Dataset::Truth(truth) => truth
+                .targets()
+                .iter()
+                .map(|target| target.points.len())
+                .sum(),
+            Dataset::Tracks(set) => set.tracks.iter().map(|track| track.points.len()).sum(),
+            Dataset::TruthBoxes(set) | Dataset::TrackBoxes(set) => set.boxes().len(),
+            Dataset::BearingTime(record) => record.levels_db.len(),
         }
     }
 

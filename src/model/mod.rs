@@ -23,4 +23,5 @@ pub mod state;
 pub mod time;
 pub mod track;
 pub mod truth;
+pub mod units;
 pub mod watch;

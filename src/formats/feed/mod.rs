@@ -1,8 +1,24 @@
 //! Reports of a feed (AIS, Mode S, ASTERIX, a table of state vectors) on their way to a dataset. A decoder only says what each
 //! report says; what becomes of times, paths, scans and places is decided here, once for all of them.
 
+mod detections;
+mod paths;
+mod place;
+mod scans;
+#[cfg(test)]
+mod tests;
+mod tracks;
+mod truth;
+
+pub(super) use place::Middle;
+
+use super::reading::{Identity, Reading};
 use super::table::Interner;
-use super::units::{Reason, Units};
+use super::{ReadOptions, ReadOutcome, Reason, Units};
+use crate::model::attributes::Attributes;
+use crate::model::dataset::DatasetKind;
+use crate::model::fault::Fault;
+use crate::model::time::TimeBase;
 use crate::model::track::TrackStatus;
 use std::collections::BTreeMap;
 
@@ -93,6 +109,42 @@ pub struct Site {
     pub height_m: f64,
 }
 
+/// What is usual of a kind of feed, where the request says nothing else.
+#[derive(Debug, Clone, Copy)]
+pub struct Manner {
+    pub kind: DatasetKind,
+    /// Share of units that may be wrong.
+    pub max_rejected: f64,
+    pub max_speed_mps: f64,
+    /// Silence after which a path begins anew.
+    pub path_gap_s: f64,
+    /// Standard deviation of positions whose report does not say it (m).
+    pub sigma_m: f64,
+    /// Whether another callsign is another path.
+    pub splits_by_callsign: bool,
+}
+
+impl Manner {
+    /// Of what ships send.
+    pub const SHIPS: Manner = Manner {
+        kind: DatasetKind::Truth,
+        max_rejected: 0.25,
+        max_speed_mps: 60.0,
+        path_gap_s: 600.0,
+        sigma_m: 15.0,
+        splits_by_callsign: false,
+    };
+    /// Of what aircraft send.
+    pub const AIRCRAFT: Manner = Manner {
+        kind: DatasetKind::Truth,
+        max_rejected: 0.25,
+        max_speed_mps: 1000.0,
+        path_gap_s: 600.0,
+        sigma_m: 50.0,
+        splits_by_callsign: true,
+    };
+}
+
 /// All reports of a file, and how its units fared so far. A unit that became a report is counted when the feed is finished.
 #[derive(Default)]
 pub struct Feed {
@@ -141,6 +193,96 @@ impl Feed {
         self.known.insert((identity, attribute), text);
     }
 
+    /// The dataset of all reports, of the kind that the request asks for.
+    ///
+    /// # Errors
+    /// Nothing can be used; more units are wrong than may be; a place is missing that the kind needs.
+    pub fn finish(
+        mut self,
+        base: TimeBase,
+        manner: &Manner,
+        options: &ReadOptions,
+    ) -> Result<ReadOutcome, Vec<Fault>> {
+        let reading = Reading::of(&options.options)?;
+        for report in &mut self.reports {
+            report.time_s += reading.clock_offset_s.unwrap_or_default();
+        }
+        if reading.identity == Some(Identity::Drop) {
+            self.reports
+                .iter_mut()
+                .for_each(|report| report.identity = None);
+        }
+        let mut dataset = match options.kind.unwrap_or(manner.kind) {
+            DatasetKind::Detections => detections::build(&mut self, manner, &reading)?,
+            DatasetKind::Truth => truth::build(&mut self, manner, &reading)?,
+            DatasetKind::Tracks => tracks::build(&mut self, manner, &reading)?,
+            DatasetKind::BearingTime => return Err(vec![no_record()]),
+        };
+        dataset.set_time_base(base);
+        self.check_units(reading.max_rejected.unwrap_or(manner.max_rejected))?;
+        let mut warnings = self.warnings;
+        warnings.extend(self.units.rejections());
+        Ok(ReadOutcome {
+            dataset,
+            warnings,
+            units: self.units,
+        })
+    }
+
+    fn check_units(&self, max_rejected: f64) -> Result<(), Vec<Fault>> {
+        let units = &self.units;
+        let rejected = units.rejected_count();
+        if units.used == 0 {
+            let detail = format!(
+                "none of the {} {}s can be used: {}",
+                units.total,
+                units.called,
+                units.fates()
+            );
+            return Err(vec![Fault::new("/file", "empty", detail)]);
+        }
+        if rejected as f64 <= max_rejected * units.total as f64 {
+            return Ok(());
+        }
+        let share = 100.0 * rejected as f64 / units.total as f64;
+        let fault = |told: String| {
+            let detail = format!("{told}; {share:.3} % of the {}s are wrong", units.called);
+            Fault::new("/file", "rejected", detail).allowing(format!(
+                "max_rejected {max_rejected}; `max_rejected` allows more"
+            ))
+        };
+        Err(units.rejections().into_iter().map(fault).collect())
+    }
+
+    /// What is said of single reports, in their order.
+    fn said_of(&self, report: usize) -> impl Iterator<Item = (Attribute, &str)> {
+        let first = self.said.partition_point(|said| (said.0 as usize) < report);
+        let of_it = self.said[first..]
+            .iter()
+            .take_while(move |said| said.0 as usize == report);
+        of_it.map(|&(_, attribute, text)| (attribute, self.texts.name(text)))
+    }
+
+    /// What is known of an identity whose path has these reports: what was said of it at any time, and last in one of them.
+    fn attributes_of(&self, identity: u32, reports: &[usize]) -> BTreeMap<&'static str, String> {
+        let mut found = BTreeMap::new();
+        let known = self.known.range((identity, Attribute::Address)..);
+        for ((_, attribute), text) in known.take_while(|((of, _), _)| *of == identity) {
+            found.insert(attribute.name(), self.texts.name(*text).to_owned());
+        }
+        for &report in reports {
+            for (attribute, text) in self.said_of(report) {
+                if found
+                    .get(attribute.name())
+                    .is_none_or(|known| known != text)
+                {
+                    found.insert(attribute.name(), text.to_owned());
+                }
+            }
+        }
+        found
+    }
+
     /// Counts units that are sound, but nothing that was asked for.
     pub fn ignore(&mut self, kind: &str, units: u64) {
         self.units.ignore(kind, units);
@@ -149,5 +291,26 @@ impl Feed {
     /// Counts units that are wrong, the first of them by its number.
     pub fn reject(&mut self, reason: Reason, unit: u64, units: u64) {
         self.units.reject(reason, unit, units);
+    }
+}
+
+fn no_record() -> Fault {
+    let detail = "a feed of reports is no bearing-time record";
+    Fault::new("/meta/kind", "unsupported", detail).allowing("detections, truth, tracks")
+}
+
+/// The names of paths: the identity, and its number where there are several.
+fn path_name(identity: &str, path: usize) -> String {
+    if path == 0 {
+        identity.to_owned()
+    } else {
+        format!("{identity}-{}", path + 1)
+    }
+}
+
+/// Keeps what is known of an object, if anything is.
+fn note(attributes: &mut Attributes, name: &str, known: BTreeMap<&'static str, String>) {
+    if !known.is_empty() {
+        attributes.insert(name.to_owned(), known);
     }
 }

@@ -1,161 +1,170 @@
-//! Detections: rows in order of time become scans. A row with neither detection nor measurement declares a scan that
-//! saw nothing.
+//! Detections: rows become scans. The file numbers them, or its times and sensors do. A row with neither detection nor measurement
+//! declares a scan that saw nothing.
 
+mod columns;
+mod scans;
 mod write;
 
 pub use write::write;
 
-use super::Rows;
+use super::ground::Ground;
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
+use super::{Repeats, Table};
+use crate::model::beside::Labels;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
-use crate::model::names::natural_order;
-use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
+use crate::model::scan::{Detection, Measurement};
 use crate::model::sensor::SensorSettings;
+use columns::Columns;
 
-/// Where the columns of detections are.
-struct Columns {
-    time: usize,
-    scan: usize,
-    sensor: usize,
-    id: usize,
-    x: Option<usize>,
-    y: Option<usize>,
-    range: Option<usize>,
-    bearing: Option<usize>,
-    range_rate: Option<usize>,
-    amplitude: Option<usize>,
-    truth: Option<usize>,
-}
-
-impl Columns {
-    fn from_header(header: &Header) -> Self {
-        Columns {
-            time: header.required("time_s"),
-            scan: header.required("scan"),
-            sensor: header.required("sensor_id"),
-            id: header.required("detection_id"),
-            x: header.find("x_m"),
-            y: header.find("y_m"),
-            range: header.find("range_m"),
-            bearing: header.find("bearing_deg"),
-            range_rate: header.find("range_rate_mps"),
-            amplitude: header.find("amplitude"),
-            truth: header.find("truth_id"),
-        }
-    }
-}
-
-/// A scan as its rows show it; its sensor is numbered in the order the file names them.
-#[derive(Default)]
-struct OpenScan {
-    sensor: u32,
-    number: u32,
+/// What a row says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Found {
     time_s: f64,
+    /// Numbered in the order the file names them.
+    sensor: u32,
+    /// The file's own.
+    scan: Option<u32>,
     row: u64,
-    detections: Vec<Detection>,
+    detection: Option<Detection>,
+    z_m: Option<f64>,
+    height_m: Option<f64>,
 }
 
-/// What the rows have shown so far; one entry a detection in the last three lists.
+/// What the rows have shown so far; one entry a row in the lists.
 #[derive(Default)]
 struct Builder {
     sensors: Interner,
     targets: Interner,
-    scans: Vec<OpenScan>,
-    /// The latest scan of each sensor.
-    latest: Vec<Option<usize>>,
-    /// Time and number of the row before.
-    last_row: Option<(f64, u64)>,
+    found: Vec<Found>,
+    ids: Vec<String>,
+    /// Attributes, in the order of the columns.
+    labels: Vec<(Interner, Labels)>,
+    ground: Ground,
     /// Whether a row had both a position and a range or bearing.
     ambiguous: bool,
-    ids: Vec<String>,
-    scan_of: Vec<u32>,
-    rows: Vec<u64>,
+    repeats: Repeats,
 }
 
-/// Reads detections; also whether there was no row at all.
+/// Reads detections.
 ///
 /// # Errors
 /// Every fault of the rows.
 pub fn read(
-    rows: &mut dyn Rows,
+    table: Table,
     header: &Header,
     sensors: Vec<SensorSettings>,
     warnings: &mut Vec<String>,
-) -> Result<(Dataset, bool), Vec<Fault>> {
+) -> Result<(Dataset, u64, u64), Vec<Fault>> {
     let columns = Columns::from_header(header);
-    let mut reader = RowReader::new(rows);
-    let mut builder = Builder::default();
+    let mut reader = RowReader::new(table.rows, header, table.reading);
+    let mut builder = Builder {
+        labels: columns
+            .attributes
+            .iter()
+            .map(|_| Default::default())
+            .collect(),
+        ..Builder::default()
+    };
     while reader.advance() {
         builder.read_row(&mut reader, &columns);
     }
-    builder.sort_scans(&mut reader, &columns);
+    let frame = builder.ground.frame(table.reading)?;
+    let (used, repeated) = (reader.count(), builder.repeats.count());
+    let base = reader.time_base();
+    let repeats = reader.repeats_warning(&builder.repeats);
+    let ambiguous = builder.ambiguous;
+    let told = reader.told();
+    let grouped = scans::group(
+        builder,
+        sensors,
+        &mut reader,
+        (&columns, frame, table.reading),
+    );
     reader.faults.finish()?;
-    if builder.ambiguous {
+    let (mut recording, grouping) = grouped?;
+    recording.set_time_base(base);
+    warnings.extend(told.into_iter().chain(repeats).chain(grouping));
+    if ambiguous {
         warnings.push(
             "rows have x_m, y_m and also range_m or bearing_deg: the position is used".to_owned(),
         );
     }
-    let empty = builder.scans.is_empty();
-    let recording = builder.finish(sensors, columns.truth.is_some())?;
-    Ok((Dataset::Detections(recording), empty))
+    Ok((Dataset::Detections(recording), used, repeated as u64))
 }
 
 impl Builder {
     fn read_row(&mut self, reader: &mut RowReader, columns: &Columns) {
-        let time_s = reader.number(columns.time);
-        let number = reader.whole_number(columns.scan);
-        reader.require_name(columns.sensor);
-        columns
-            .truth
-            .into_iter()
-            .for_each(|column| reader.check_name(column));
-        reader.check_name(columns.id);
+        let time_s = reader.time(columns.time);
+        let scan = columns.scan.map(|column| reader.whole_number(column));
+        if let Some(sensor) = columns.sensor {
+            reader.require_name(sensor);
+        }
+        for column in columns.truth.into_iter().chain(columns.id) {
+            reader.check_name(column);
+        }
         let measurement = self.measurement(reader, columns);
         let amplitude = reader.optional_number(columns.amplitude);
-        if let Some(time_s) = time_s {
-            self.check_order(reader, columns, time_s);
-        }
-        let (Some(time_s), Some(number), true) = (time_s, number, reader.is_sound()) else {
+        let z_m = reader.optional_number(columns.z);
+        let height_m = reader.optional_number(columns.height);
+        let (Some(time_s), true) = (time_s, reader.is_sound()) else {
             return;
         };
-        let sensor = self.sensors.number(reader.text(columns.sensor));
-        let Some(scan) = self.scan(
-            reader,
-            columns,
-            OpenScan {
-                sensor,
-                number,
-                time_s,
-                row: reader.row(),
-                detections: Vec::new(),
-            },
-        ) else {
-            return;
-        };
-        let Some(measurement) = measurement else {
-            return;
-        };
+        let sensor = self.sensors.number(match columns.sensor {
+            Some(column) => reader.text(column),
+            None => "sensor",
+        });
         let truth = reader.optional_text(columns.truth);
         let origin = (!truth.is_empty()).then(|| self.targets.number(truth));
-        self.scans[scan].detections.push(Detection {
-            measurement,
-            origin,
-            amplitude,
-        });
-        self.ids.push(reader.text(columns.id).to_owned());
-        self.scan_of.push(scan as u32);
-        self.rows.push(reader.row());
+        let found = Found {
+            time_s,
+            sensor,
+            scan: scan.flatten(),
+            row: reader.row(),
+            detection: measurement.map(|measurement| Detection {
+                measurement,
+                origin,
+                amplitude,
+            }),
+            z_m,
+            height_m,
+        };
+        self.keep(found, reader, columns);
+    }
+
+    fn keep(&mut self, found: Found, reader: &RowReader, columns: &Columns) {
+        let id = match columns.id {
+            Some(column) => reader.text(column).to_owned(),
+            None => found.row.to_string(),
+        };
+        let before = self.found.last().zip(self.ids.last());
+        let is_repeated = columns.id.is_some()
+            && before.is_some_and(|(before, before_id)| {
+                *before
+                    == Found {
+                        row: before.row,
+                        ..found
+                    }
+                    && *before_id == id
+            });
+        if is_repeated && found.detection.is_some() {
+            return self.repeats.add(found.row);
+        }
+        self.found.push(found);
+        self.ids.push(id);
+        for ((texts, labels), &(_, column)) in self.labels.iter_mut().zip(&columns.attributes) {
+            let text = reader.text(column).trim();
+            labels
+                .of
+                .push((!text.is_empty()).then(|| texts.number(text)));
+        }
     }
 
     /// The row's measurement; `None` for a row that declares an empty scan, and for faults.
     fn measurement(&mut self, reader: &mut RowReader, columns: &Columns) -> Option<Measurement> {
-        let mut place_m = [0.0; 2];
-        let places = columns.x.zip(columns.y).map(|(x, y)| [x, y]);
-        let is_placed = reader.fill(places.as_ref().map(<[_; 2]>::as_slice), &mut place_m);
-        let position = is_placed.then_some(place_m);
+        let position = self.position(reader, columns);
         let range_m = reader.optional_number(columns.range);
         if let (Some(column), Some(range_m)) =
             (columns.range, range_m.filter(|range_m| *range_m < 0.0))
@@ -182,200 +191,49 @@ impl Builder {
             },
             (None, None, Some(bearing_rad)) => Measurement::Bearing { bearing_rad },
             (None, range_m, None) => {
-                let column = range_m
-                    .and(columns.bearing)
-                    .or(columns.x)
-                    .or(columns.bearing)?;
-                if range_m.is_some() {
-                    reader.fault(column, "missing", "a range needs a bearing".to_owned());
-                } else if !reader.text(columns.id).is_empty() {
-                    let detail =
-                        format!("detection '{}' has no measurement", reader.text(columns.id));
-                    reader.fault(column, "missing", detail);
-                }
+                missing_measurement(reader, columns, range_m.is_some());
                 return None;
             }
         };
-        reader.require_name(columns.id);
+        columns
+            .id
+            .into_iter()
+            .for_each(|id| reader.require_name(id));
         Some(measurement)
     }
 
-    fn check_order(&mut self, reader: &mut RowReader, columns: &Columns, time_s: f64) {
-        if let Some((before_s, row)) = self.last_row.replace((time_s, reader.row()))
-            && time_s < before_s
-        {
-            let detail = format!(
-                "time {time_s} s comes after {before_s} s on {}",
-                reader.called(row)
-            );
-            reader.fault(columns.time, "unsorted", detail);
+    /// East and north; of a latitude and longitude these are those, until the origin is known.
+    fn position(&mut self, reader: &mut RowReader, columns: &Columns) -> Option<[f64; 2]> {
+        let mut place = [0.0; 2];
+        let cells = columns.place.as_ref().map(<[_; 2]>::as_slice);
+        if !reader.fill(cells, &mut place) {
+            return None;
         }
-    }
-
-    /// The scan of a row: the sensor's latest one, or a new one.
-    fn scan(&mut self, reader: &mut RowReader, columns: &Columns, scan: OpenScan) -> Option<usize> {
-        let sensor = scan.sensor as usize;
-        if self.latest.len() <= sensor {
-            self.latest.resize(sensor + 1, None);
-        }
-        if let Some(index) = self.latest[sensor] {
-            let latest = &self.scans[index];
-            if scan.number == latest.number && scan.time_s == latest.time_s {
-                return Some(index);
-            }
-            if let Some((column, code, what)) = misfit(latest, &scan, columns) {
-                let detail = format!(
-                    "sensor '{}': {what} ({})",
-                    self.sensors.name(scan.sensor),
-                    reader.called(latest.row)
-                );
-                reader.fault(column, code, detail);
+        if let (true, Some(cells)) = (columns.is_geographic, columns.place) {
+            let [lon_deg, lat_deg] = place;
+            if !self.ground.add(lat_deg, lon_deg) {
+                reader.fault_off_earth(cells, lat_deg, lon_deg);
                 return None;
             }
-            self.scans[index].detections.shrink_to_fit();
         }
-        self.latest[sensor] = Some(self.scans.len());
-        self.scans.push(scan);
-        self.latest[sensor]
-    }
-
-    /// Brings scans into the order of time and sensor, ids and rows into that of scans, and finds ids used twice.
-    fn sort_scans(&mut self, reader: &mut RowReader, columns: &Columns) {
-        let mut order: Vec<u32> = (0..self.scan_of.len() as u32).collect();
-        let key = |scan: &OpenScan| (scan.time_s, self.sensors.name(scan.sensor));
-        let mut scan_order: Vec<usize> = (0..self.scans.len()).collect();
-        scan_order.sort_by(|&a, &b| {
-            let ((time_a, name_a), (time_b, name_b)) = (key(&self.scans[a]), key(&self.scans[b]));
-            time_a
-                .total_cmp(&time_b)
-                .then_with(|| natural_order(name_a, name_b))
-        });
-        let mut place = vec![0; scan_order.len()];
-        for (new, &old) in scan_order.iter().enumerate() {
-            place[old] = new as u32;
-        }
-        self.scans = scan_order
-            .iter()
-            .map(|&old| std::mem::take(&mut self.scans[old]))
-            .collect();
-        self.scan_of
-            .iter_mut()
-            .for_each(|scan| *scan = place[*scan as usize]);
-        if !self.scan_of.is_sorted() {
-            order.sort_by_key(|&index| self.scan_of[index as usize]);
-            self.ids = order
-                .iter()
-                .map(|&old| std::mem::take(&mut self.ids[old as usize]))
-                .collect();
-            self.rows = order.iter().map(|&old| self.rows[old as usize]).collect();
-            self.scan_of.sort_unstable();
-        }
-        self.check_ids(reader, columns);
-    }
-
-    fn check_ids(&self, reader: &mut RowReader, columns: &Columns) {
-        let mut first = 0;
-        let mut sorted: Vec<usize> = Vec::new();
-        for group in self.scan_of.chunk_by(|a, b| a == b) {
-            sorted.clear();
-            sorted.extend(first..first + group.len());
-            first += group.len();
-            sorted.sort_by(|&a, &b| self.ids[a].cmp(&self.ids[b]));
-            for pair in sorted
-                .windows(2)
-                .filter(|pair| self.ids[pair[0]] == self.ids[pair[1]])
-            {
-                let scan = &self.scans[group[0] as usize];
-                let detail = format!(
-                    "detection '{}' occurs twice in scan {} of sensor '{}': also on {}",
-                    self.ids[pair[1]],
-                    scan.number,
-                    self.sensors.name(scan.sensor),
-                    reader.called(self.rows[pair[0]])
-                );
-                reader.fault_in(self.rows[pair[1]], columns.id, "duplicate", detail);
-            }
-        }
-    }
-
-    fn finish(
-        mut self,
-        declared: Vec<SensorSettings>,
-        origins_known: bool,
-    ) -> Result<Recording, Vec<Fault>> {
-        for settings in &declared {
-            self.sensors.number(&settings.sensor_id);
-        }
-        let (names, sensor_place) = self.sensors.sorted();
-        let (targets, target_place) = self.targets.sorted();
-        let mut scans: Vec<Scan> = Vec::with_capacity(self.scans.len());
-        for mut scan in self.scans {
-            for detection in &mut scan.detections {
-                detection.origin = detection.origin.map(|origin| target_place[origin as usize]);
-            }
-            scan.detections.shrink_to_fit();
-            scans.push(Scan {
-                number: scan.number,
-                time_s: scan.time_s,
-                sensor: sensor_place[scan.sensor as usize] as usize,
-                pose: None,
-                detections: scan.detections,
-            });
-        }
-        let settings = |name: String| {
-            declared
-                .iter()
-                .find(|known| known.sensor_id == name)
-                .cloned()
-                .unwrap_or(SensorSettings::named(name))
-        };
-        let sensors = names.into_iter().map(settings).collect();
-        Recording::new(RecordingParts {
-            sensors,
-            scans,
-            detection_ids: self.ids,
-            targets,
-            origins_known,
-            ..RecordingParts::default()
-        })
+        Some(place)
     }
 }
 
-/// Why `scan` cannot follow the sensor's `latest` one: column, code and words.
-fn misfit(
-    latest: &OpenScan,
-    scan: &OpenScan,
-    columns: &Columns,
-) -> Option<(usize, &'static str, String)> {
-    let (number, time_s) = (scan.number, scan.time_s);
-    if number == latest.number {
-        Some((
-            columns.time,
-            "conflict",
-            format!(
-                "scan {number} is at {time_s} s here and at {} s before",
-                latest.time_s
-            ),
-        ))
-    } else if number < latest.number {
-        Some((
-            columns.scan,
-            "unsorted",
-            format!(
-                "scan {number} comes after scan {}; scan numbers rise with time",
-                latest.number
-            ),
-        ))
-    } else if time_s == latest.time_s {
-        Some((
-            columns.time,
-            "conflict",
-            format!(
-                "scans {} and {number} are both at {time_s} s",
-                latest.number
-            ),
-        ))
-    } else {
-        None
+/// The fault of a detection without a measurement; a row without either is none.
+fn missing_measurement(reader: &mut RowReader, columns: &Columns, has_range: bool) {
+    let bearing = columns.bearing.filter(|_| has_range);
+    let place = columns.place.map(|[first, _]| first);
+    let Some(column) = bearing.or(place).or(columns.bearing) else {
+        return;
+    };
+    let id = reader.optional_text(columns.id);
+    if has_range {
+        reader.fault(column, "missing", "a range needs a bearing".to_owned());
+    } else if !id.is_empty() {
+        let detail = format!("detection '{id}' has no measurement");
+        reader.fault(column, "missing", detail);
+    } else if columns.id.is_none() && columns.scan.is_none() {
+        reader.fault(column, "missing", "the row has no measurement".to_owned());
     }
 }

@@ -3,9 +3,13 @@
 
 use super::Sink;
 use super::degrees::{degrees, radians_of_square_degrees, square_degrees};
-use super::header::{BEARING_COVARIANCE, COVARIANCE, Header};
+use super::header::{
+    BEARING_COVARIANCE, COVARIANCE, Header, VELOCITY, VOLUME_COVARIANCE, VOLUME_VELOCITY,
+};
 use super::row::RowReader;
-use crate::model::space::{Place, Space};
+use crate::geodesy::{Stereographic, is_on_earth};
+use crate::model::attributes::{ATTRIBUTES, Attributes};
+use crate::model::space::{Frame, Place, Space};
 use crate::model::state::{Packed, from_upper_triangle};
 use crate::model::track::{Kinematics, TrackSet};
 use nalgebra::Cholesky;
@@ -26,10 +30,15 @@ impl Names {
                 velocity: &["bearing_rate_degps"],
                 covariance: &BEARING_COVARIANCE,
             },
-            Space::Plane | Space::Volume => Names {
+            Space::Plane => Names {
                 position: &["x_m", "y_m"],
-                velocity: &["vx_mps", "vy_mps"],
+                velocity: &VELOCITY,
                 covariance: &COVARIANCE,
+            },
+            Space::Volume => Names {
+                position: &["x_m", "y_m", "z_m"],
+                velocity: &VOLUME_VELOCITY,
+                covariance: &VOLUME_COVARIANCE,
             },
         }
     }
@@ -38,29 +47,41 @@ impl Names {
 /// Where the columns of estimates are.
 pub struct EstimateColumns {
     pub space: Space,
+    /// Of latitudes and longitudes the longitude comes first, until the plane is known.
     position: Vec<usize>,
+    is_geographic: bool,
     velocity: Option<Vec<usize>>,
+    /// Speed, and course clockwise from north.
+    motion: Option<[usize; 2]>,
     covariance: Option<Vec<usize>>,
+    height: Option<usize>,
 }
 
 impl EstimateColumns {
     /// Of tracks.
     pub fn from_header(header: &Header) -> Self {
-        let space = if header.find("x_m").is_none() {
-            Space::Bearing
-        } else {
-            Space::Plane
+        let is_geographic = header.is_geographic();
+        let space = match (header.find("x_m"), header.find("z_m")) {
+            (None, None) if is_geographic => Space::Plane,
+            (None, None) => Space::Bearing,
+            (Some(_), None) => Space::Plane,
+            (_, Some(_)) => Space::Volume,
         };
         let names = Names::of(space);
+        let place = |name: &&str| match *name {
+            "x_m" if is_geographic => header.required("lon_deg"),
+            "y_m" if is_geographic => header.required("lat_deg"),
+            name => header.required(name),
+        };
+        let motion = header.find("speed_mps").zip(header.find("course_deg"));
         EstimateColumns {
             space,
-            position: names
-                .position
-                .iter()
-                .map(|name| header.required(name))
-                .collect(),
+            position: names.position.iter().map(place).collect(),
+            is_geographic,
             velocity: header.all(names.velocity),
+            motion: motion.map(|(speed, course)| [speed, course]),
             covariance: header.all(names.covariance),
+            height: header.find("height_m"),
         }
     }
 
@@ -72,6 +93,16 @@ impl EstimateColumns {
             covariance: None,
             ..columns
         }
+    }
+
+    /// Whether places are longitudes and latitudes, until the plane is known.
+    pub fn is_geographic(&self) -> bool {
+        self.is_geographic
+    }
+
+    /// How high the target was, where the row says it.
+    pub fn read_height(&self, reader: &mut RowReader) -> Option<f64> {
+        reader.optional_number(self.height)
     }
 
     /// The column that faults of a whole estimate are reported in.
@@ -87,9 +118,21 @@ impl EstimateColumns {
                 _ => position = None,
             }
         }
+        if let (true, Some(place)) = (self.is_geographic, position)
+            && !is_on_earth(place.y, place.x)
+        {
+            reader.fault_off_earth([self.position[0], self.position[1]], place.y, place.x);
+            position = None;
+        }
         let mut velocity = Place::zeros();
-        let has_velocity = reader.fill(self.velocity.as_deref(), velocity.as_mut_slice());
+        let mut has_velocity = reader.fill(self.velocity.as_deref(), velocity.as_mut_slice());
         velocity.apply(|value| *value = self.inside(*value));
+        if !has_velocity {
+            let mut motion = [0.0; 2];
+            has_velocity = reader.fill(self.motion.as_ref().map(<[_; 2]>::as_slice), &mut motion);
+            let (sin, cos) = motion[1].to_radians().sin_cos();
+            velocity = Place::new(motion[0] * sin, motion[0] * cos, 0.0);
+        }
         let covariance = self.read_covariance(reader);
         Some(Kinematics {
             position: position?,
@@ -133,6 +176,11 @@ fn is_definite(space: Space, elements: &[f64]) -> bool {
     }
 }
 
+/// Nine decimals of a degree are a tenth of a millimetre.
+pub fn rounded_deg(angle_deg: f64) -> f64 {
+    (angle_deg * 1e9).round() / 1e9
+}
+
 /// From what is held to what is written.
 type Convert = fn(f64) -> f64;
 
@@ -142,20 +190,60 @@ pub struct EstimateLayout {
     pub space: Space,
     pub velocity: bool,
     pub covariance: bool,
+    pub height: bool,
+    /// With it places are written as latitudes and longitudes, too.
+    pub frame: Option<Frame>,
 }
 
 impl EstimateLayout {
     pub fn for_set(set: &TrackSet) -> Self {
-        let (mut velocity, mut covariance) = (false, false);
+        let (mut velocity, mut covariance, mut height) = (false, false, false);
         for point in set.tracks.iter().flat_map(|track| &track.points) {
             velocity |= point.estimate.velocity.is_some();
             covariance |= point.estimate.covariance.is_some();
+            height |= point.height_m.is_some();
         }
         EstimateLayout {
             space: set.space,
             velocity,
             covariance,
+            height,
+            frame: set.frame.filter(|_| set.space == Space::Plane),
         }
+    }
+
+    /// The plane whose places have a latitude and longitude.
+    pub fn plane(&self) -> Option<Stereographic> {
+        let frame = self.frame?;
+        Some(Stereographic::about(
+            frame.latitude_deg(),
+            frame.longitude_deg(),
+        ))
+    }
+
+    /// The attributes that any object of a set has.
+    pub fn attributes(&self, known: &Attributes) -> Vec<&'static str> {
+        let is_there = |name: &&&str| known.values().any(|of_one| of_one.contains_key(**name));
+        ATTRIBUTES.iter().filter(is_there).copied().collect()
+    }
+
+    /// The cells of latitude, longitude and height, where the set has them.
+    pub fn write_beside(
+        &self,
+        plane: Option<&Stereographic>,
+        position: &Place,
+        height_m: Option<f64>,
+        sink: &mut dyn Sink,
+    ) -> io::Result<()> {
+        if let Some(plane) = plane {
+            let (lat_deg, lon_deg) = plane.unproject(&position.xy());
+            sink.number(Some(rounded_deg(lat_deg)))?;
+            sink.number(Some(rounded_deg(lon_deg)))?;
+        }
+        if self.height {
+            sink.number(height_m)?;
+        }
+        Ok(())
     }
 
     pub fn columns(self) -> Vec<&'static str> {
@@ -166,7 +254,13 @@ impl EstimateLayout {
         } else {
             &[]
         };
-        [names.position, velocity, covariance].concat()
+        let earth: &[&str] = if self.frame.is_some() {
+            &["lat_deg", "lon_deg"]
+        } else {
+            &[]
+        };
+        let height: &[&str] = if self.height { &["height_m"] } else { &[] };
+        [names.position, velocity, covariance, earth, height].concat()
     }
 
     /// The cells of a point; those of columns that it does not fill are empty.

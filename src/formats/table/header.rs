@@ -1,7 +1,8 @@
 //! Column names: which the kinds of dataset know, what the uploader renamed, what is missing or twice there.
 
-use super::{FaultLog, Rows};
+use super::{FaultLog, Rows, units};
 use crate::formats::ReadOptions;
+use crate::model::attributes::{ATTRIBUTES, attribute_named};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::names::shorten;
@@ -10,6 +11,16 @@ use std::collections::BTreeMap;
 /// The ten columns of a covariance, upper triangle.
 pub const COVARIANCE: [&str; 10] = [
     "p_xx", "p_xy", "p_xvx", "p_xvy", "p_yy", "p_yvx", "p_yvy", "p_vxvx", "p_vxvy", "p_vyvy",
+];
+
+pub const VELOCITY: [&str; 2] = ["vx_mps", "vy_mps"];
+
+pub const VOLUME_VELOCITY: [&str; 3] = ["vx_mps", "vy_mps", "vz_mps"];
+
+/// The 21 columns of a covariance in a volume, upper triangle.
+pub const VOLUME_COVARIANCE: [&str; 21] = [
+    "p_xx", "p_xy", "p_xz", "p_xvx", "p_xvy", "p_xvz", "p_yy", "p_yz", "p_yvx", "p_yvy", "p_yvz",
+    "p_zz", "p_zvx", "p_zvy", "p_zvz", "p_vxvx", "p_vxvy", "p_vxvz", "p_vyvy", "p_vyvz", "p_vzvz",
 ];
 
 /// The three columns of a bearing's covariance, upper triangle (deg², deg²/s, deg²/s²).
@@ -25,9 +36,15 @@ struct Schema {
     together: &'static [&'static [&'static str]],
 }
 
+/// Columns that every kind may have.
+const EVERYWHERE: &[&str] = &["lat_deg", "lon_deg", "height_m", "speed_mps", "course_deg"];
+
 const DETECTIONS: Schema = Schema {
-    required: &["time_s", "scan", "sensor_id", "detection_id"],
+    required: &["time_s"],
     optional: &[
+        "scan",
+        "sensor_id",
+        "detection_id",
         "x_m",
         "y_m",
         "range_m",
@@ -35,8 +52,9 @@ const DETECTIONS: Schema = Schema {
         "range_rate_mps",
         "amplitude",
         "truth_id",
+        "z_m",
     ],
-    unused: &["z_m", "elevation_deg"],
+    unused: &["elevation_deg"],
     together: &[&["x_m", "y_m"]],
 };
 
@@ -44,7 +62,14 @@ const TRUTH: Schema = Schema {
     required: &["time_s", "truth_id", "x_m", "y_m"],
     optional: &["vx_mps", "vy_mps"],
     unused: &["z_m", "bearing_deg"],
-    together: &[&["vx_mps", "vy_mps"]],
+    together: &[&VELOCITY],
+};
+
+const TRUTH_IN_VOLUME: Schema = Schema {
+    required: &["time_s", "truth_id", "x_m", "y_m", "z_m"],
+    optional: &VOLUME_VELOCITY,
+    unused: &["bearing_deg"],
+    together: &[&VOLUME_VELOCITY],
 };
 
 /// Of targets whose direction alone is known.
@@ -77,7 +102,44 @@ const TRACKS: Schema = Schema {
         "nis",
     ],
     unused: &["z_m", "bearing_deg", "bearing_rate_degps", "existence"],
-    together: &[&["vx_mps", "vy_mps"], &COVARIANCE],
+    together: &[&VELOCITY, &COVARIANCE],
+};
+
+const TRACKS_IN_VOLUME: Schema = Schema {
+    required: &["time_s", "track_id", "x_m", "y_m", "z_m"],
+    optional: &[
+        "sensor_id",
+        "vx_mps",
+        "vy_mps",
+        "vz_mps",
+        "p_xx",
+        "p_xy",
+        "p_xz",
+        "p_xvx",
+        "p_xvy",
+        "p_xvz",
+        "p_yy",
+        "p_yz",
+        "p_yvx",
+        "p_yvy",
+        "p_yvz",
+        "p_zz",
+        "p_zvx",
+        "p_zvy",
+        "p_zvz",
+        "p_vxvx",
+        "p_vxvy",
+        "p_vxvz",
+        "p_vyvy",
+        "p_vyvz",
+        "p_vzvz",
+        "detection_id",
+        "probability",
+        "status",
+        "nis",
+    ],
+    unused: &["bearing_deg", "bearing_rate_degps", "existence"],
+    together: &[&VOLUME_VELOCITY, &VOLUME_COVARIANCE],
 };
 
 /// Of trackers that know directions alone.
@@ -98,16 +160,24 @@ const BEARING_TRACKS: Schema = Schema {
     together: &[&BEARING_COVARIANCE],
 };
 
+/// Groups of a volume, and those of the plane with a part of the same names.
+const PLANAR_PARTS: [(&[&str], &[&str]); 2] = [
+    (&VOLUME_VELOCITY, &VELOCITY),
+    (&VOLUME_COVARIANCE, &COVARIANCE),
+];
+
 impl Schema {
-    /// Truth and tracks are of places unless all that the columns have is a direction.
+    /// Truth and tracks are of places unless all that the columns have is a direction; of a volume where places have a z.
     /// `None` of what is no table.
     fn of(kind: DatasetKind, names: &[String]) -> Option<&'static Schema> {
         let has = |name: &str| names.iter().any(|known| known == name);
         let schema = match (kind, has("bearing_deg") && !has("x_m") && !has("y_m")) {
             (DatasetKind::BearingTime, _) => return None,
             (DatasetKind::Detections, _) => &DETECTIONS,
+            (DatasetKind::Truth, false) if has("z_m") => &TRUTH_IN_VOLUME,
             (DatasetKind::Truth, false) => &TRUTH,
             (DatasetKind::Truth, true) => &TRUE_BEARINGS,
+            (DatasetKind::Tracks, false) if has("z_m") => &TRACKS_IN_VOLUME,
             (DatasetKind::Tracks, false) => &TRACKS,
             (DatasetKind::Tracks, true) => &BEARING_TRACKS,
         };
@@ -115,7 +185,10 @@ impl Schema {
     }
 
     fn is_used(&self, name: &str) -> bool {
-        self.required.contains(&name) || self.optional.contains(&name)
+        self.required.contains(&name)
+            || self.optional.contains(&name)
+            || EVERYWHERE.contains(&name)
+            || attribute_named(name).is_some()
     }
 
     fn is_unused(&self, name: &str) -> bool {
@@ -123,21 +196,57 @@ impl Schema {
             || (std::ptr::eq(self, &DETECTIONS) && name.starts_with("sigma_"))
     }
 
+    /// Columns of the plane in a file of a volume: they say nothing of its third axis, so they are not read.
+    fn planar_parts(&self, names: &[String]) -> impl Iterator<Item = &'static [&'static str]> {
+        let parts = PLANAR_PARTS.iter().filter(|(whole, part)| {
+            let is_there = |name: &&&str| has(names, name);
+            self.together.contains(whole)
+                && part.iter().all(|name| has(names, name))
+                && whole.iter().filter(is_there).count() == part.len()
+        });
+        parts.map(|(_, part)| *part)
+    }
+
     fn known(&self) -> String {
-        [self.required, self.optional, self.unused]
-            .concat()
-            .join(", ")
+        [
+            self.required,
+            self.optional,
+            self.unused,
+            EVERYWHERE,
+            ATTRIBUTES,
+        ]
+        .concat()
+        .join(", ")
     }
 }
 
 /// The canonical names of a table's columns.
 pub struct Header {
     names: Vec<String>,
+    /// What a number of each column is multiplied with.
+    scales: Vec<f64>,
 }
 
 impl Header {
     pub fn find(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
+    }
+
+    /// What a number of a column is multiplied with.
+    pub fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    /// The columns of attributes.
+    pub fn attributes(&self) -> Vec<(&'static str, usize)> {
+        let columns = self.names.iter().enumerate();
+        let attributes = columns.filter_map(|(index, name)| Some((attribute_named(name)?, index)));
+        attributes.collect()
+    }
+
+    /// Whether places are latitudes and longitudes alone.
+    pub fn is_geographic(&self) -> bool {
+        self.find("x_m").is_none() && self.find("lat_deg").is_some()
     }
 
     /// The places of all these columns, if none is missing.
@@ -161,11 +270,12 @@ pub fn resolve(
     options: &ReadOptions,
 ) -> Result<(DatasetKind, Header, Vec<String>), Vec<Fault>> {
     let mut faults = FaultLog::default();
-    let names: Vec<String> = rows
-        .names()
-        .iter()
-        .map(|name| options.columns.get(name).unwrap_or(name).clone())
-        .collect();
+    let (mut names, mut scales) = (Vec::new(), Vec::new());
+    for name in rows.names() {
+        let (canonical, scale) = mapped(name, options, &mut faults);
+        names.push(canonical);
+        scales.push(scale);
+    }
     check_renaming_source(rows, options, &mut faults);
     let Some(kind) = options.kind.or_else(|| kind_of(&names)) else {
         let detail = "the columns do not say what the file holds: tracks need 'track_id', detections 'detection_id' and 'scan', truth 'truth_id'";
@@ -181,14 +291,46 @@ pub fn resolve(
     check_missing(rows, schema, kind, &names, &mut faults);
     faults.finish()?;
     let warnings = warnings(schema, rows.names(), &names);
-    Ok((kind, Header { names }, warnings))
+    Ok((kind, Header { names, scales }, warnings))
+}
+
+/// The canonical name of a column, and what its numbers are multiplied with. A name that differs from a canonical one in case
+/// alone is that one.
+fn mapped(name: &str, options: &ReadOptions, faults: &mut FaultLog) -> (String, f64) {
+    let Some(said) = options.columns.get(name) else {
+        let lower = name.trim().to_ascii_lowercase();
+        let is_known = is_canonical(&lower);
+        return (if is_known { lower } else { name.to_owned() }, 1.0);
+    };
+    match units::column_and_scale(said) {
+        Ok((column, scale)) => (column.to_owned(), scale),
+        Err(detail) => {
+            faults.push(renaming_fault(name, &detail).allowing(units::allowed()));
+            (said.clone(), 1.0)
+        }
+    }
+}
+
+fn is_canonical(name: &str) -> bool {
+    let schemas = [
+        &DETECTIONS,
+        &TRUTH,
+        &TRUE_BEARINGS,
+        &TRUTH_IN_VOLUME,
+        &TRACKS,
+        &TRACKS_IN_VOLUME,
+        &BEARING_TRACKS,
+    ];
+    schemas
+        .iter()
+        .any(|schema| schema.is_used(name) || schema.is_unused(name))
 }
 
 fn kind_of(names: &[String]) -> Option<DatasetKind> {
     let has = |name: &str| names.iter().any(|known| known == name);
     if has("track_id") {
         Some(DatasetKind::Tracks)
-    } else if has("detection_id") && has("scan") {
+    } else if has("detection_id") || has("scan") {
         Some(DatasetKind::Detections)
     } else {
         has("truth_id").then_some(DatasetKind::Truth)
@@ -214,7 +356,8 @@ fn check_renaming_target(
     options: &ReadOptions,
     faults: &mut FaultLog,
 ) {
-    for (name, target) in &options.columns {
+    for (name, said) in &options.columns {
+        let target = units::column_and_scale(said).map_or(said.as_str(), |(column, _)| column);
         if !schema.is_used(target) && !schema.is_unused(target) {
             let detail = format!("'{target}' is not a column of {}", kind.name());
             faults.push(renaming_fault(name, &detail).allowing(schema.known()));
@@ -264,17 +407,21 @@ fn check_missing(
                 .allowing(schema.known()),
         );
     };
+    let is_geographic = has(names, "lat_deg") && has(names, "lon_deg");
     for &name in schema.required.iter().filter(|name| !has(names, name)) {
+        if is_geographic && ["x_m", "y_m"].contains(&name) {
+            continue;
+        }
         missing(
             name,
             format!("a file of {} needs a column '{name}'", kind.name()),
         );
     }
-    for group in schema
-        .together
-        .iter()
-        .filter(|group| group.iter().any(|name| has(names, name)))
-    {
+    let planar: Vec<&str> = schema.planar_parts(names).flatten().copied().collect();
+    for group in schema.together.iter().filter(|group| {
+        let mut present = group.iter().filter(|name| has(names, name));
+        present.any(|name| !planar.contains(name))
+    }) {
         for &name in group.iter().filter(|name| !has(names, name)) {
             missing(
                 name,
@@ -291,13 +438,13 @@ fn check_missing(
             "column 'bearing_deg' is missing: range_m, bearing_deg come together".to_owned(),
         );
     } else if kind == DatasetKind::Detections
-        && !["x_m", "y_m", "bearing_deg"]
+        && !["x_m", "y_m", "bearing_deg", "lat_deg"]
             .iter()
             .any(|name| has(names, name))
     {
         missing(
             "x_m",
-            "detections need measurements: x_m, y_m or range_m, bearing_deg or bearing_deg"
+            "detections need measurements: x_m, y_m or lat_deg, lon_deg or range_m, bearing_deg or bearing_deg"
                 .to_owned(),
         );
     }
@@ -319,6 +466,15 @@ fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     }
 }
 
+fn planar_warning(part: &[&str]) -> String {
+    let [first, .., last] = part else {
+        return String::new();
+    };
+    format!(
+        "z_m makes these places those of a volume, but {first} … {last} are of the plane, so they are not read; without z_m all is of the plane"
+    )
+}
+
 fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<String> {
     let list = |wanted: &dyn Fn(&str) -> bool| -> Vec<&str> {
         file_names
@@ -330,7 +486,8 @@ fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<Str
     };
     let unused = list(&|name| schema.is_unused(name));
     let unknown = list(&|name| !schema.is_unused(name) && !schema.is_used(name));
-    let mut warnings = Vec::new();
+    let planar = schema.planar_parts(names).map(planar_warning);
+    let mut warnings: Vec<String> = planar.collect();
     if !unused.is_empty() {
         warnings.push(format!(
             "columns kept in the file but not used: {}",

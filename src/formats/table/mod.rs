@@ -6,12 +6,14 @@ mod degrees;
 mod detections;
 mod estimate;
 mod fault_log;
+mod ground;
 mod header;
 mod interner;
 mod repeats;
 mod row;
 mod tracks;
 mod truth;
+mod units;
 
 pub use degrees::degrees;
 pub use fault_log::FaultLog;
@@ -19,7 +21,7 @@ pub use header::pointer_token;
 pub use interner::Interner;
 pub use repeats::Repeats;
 
-use super::{ReadOptions, ReadOutcome};
+use super::{ReadOptions, ReadOutcome, Reading, Units, layouts};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
@@ -42,6 +44,12 @@ pub trait Rows {
     fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault;
 }
 
+/// A table being read, and what was told of it.
+pub struct Table<'a> {
+    pub rows: &'a mut dyn Rows,
+    pub reading: &'a Reading,
+}
+
 /// A table being written, cell by cell in the order of its columns.
 pub trait Sink {
     fn begin(&mut self, columns: &[&'static str]) -> io::Result<()>;
@@ -59,20 +67,39 @@ pub fn read(
     options: &ReadOptions,
     sensors: Vec<SensorSettings>,
 ) -> Result<ReadOutcome, Vec<Fault>> {
+    if options.columns.is_empty()
+        && let Some(layout) = layouts::find(rows.names())
+    {
+        return layouts::read(rows, layout, options);
+    }
+    let reading = Reading::of(&options.options)?;
     let (kind, header, mut warnings) = header::resolve(rows, options)?;
-    let (dataset, empty) = match kind {
-        DatasetKind::Detections => detections::read(rows, &header, sensors, &mut warnings)?,
-        DatasetKind::Truth => truth::read(rows, &header, &mut warnings)?,
-        DatasetKind::Tracks => tracks::read(rows, &header, &mut warnings)?,
+    let mut units = Units::called(rows.row_word());
+    let table = Table {
+        rows,
+        reading: &reading,
+    };
+    let (dataset, total, repeated) = match kind {
+        DatasetKind::Detections => detections::read(table, &header, sensors, &mut warnings)?,
+        DatasetKind::Truth => truth::read(table, &header, &mut warnings)?,
+        DatasetKind::Tracks => tracks::read(table, &header, &mut warnings)?,
         DatasetKind::BearingTime => return Err(vec![no_table()]),
     };
-    if empty {
+    units.use_up(total - repeated);
+    if repeated > 0 {
+        units.ignore("duplicate", repeated);
+    }
+    if total == 0 {
         warnings.push(format!(
             "there are columns of {} but no rows: the dataset is empty",
             kind.name()
         ));
     }
-    Ok(ReadOutcome { dataset, warnings })
+    Ok(ReadOutcome {
+        dataset,
+        warnings,
+        units,
+    })
 }
 
 fn no_table() -> Fault {

@@ -17,6 +17,10 @@ impl Repeats {
         self.rows += 1;
     }
 
+    pub fn count(&self) -> usize {
+        self.rows
+    }
+
     /// What a user is told; `row_word` is what a row is called.
     pub fn warning(&self, row_word: &str) -> Option<String> {
         let first = self.first;

@@ -1,29 +1,66 @@
 //! One row at a time: cells to numbers and names, each fault with its place.
 
+use super::header::Header;
 use super::{FaultLog, Repeats, Rows};
+use crate::formats::Reading;
+use crate::formats::clock::{Clock, NoTime};
+use crate::model::attributes::Attributes;
 use crate::model::fault::Fault;
 use crate::model::names::{name_fault, shorten};
+use crate::model::time::TimeBase;
+
+/// What a time may be.
+const TIMES: &str =
+    "a number of seconds, ISO 8601, or what `time_format` says, the same in all rows";
 
 /// Walks the rows of a table and collects what is wrong with them.
 pub struct RowReader<'a> {
     rows: &'a mut dyn Rows,
     pub faults: FaultLog,
     sound: bool,
+    count: u64,
+    scales: &'a [f64],
+    clock: Clock,
 }
 
 impl<'a> RowReader<'a> {
-    pub fn new(rows: &'a mut dyn Rows) -> Self {
+    pub fn new(rows: &'a mut dyn Rows, header: &'a Header, reading: &Reading) -> Self {
+        let time_scale = header
+            .find("time_s")
+            .map_or(1.0, |column| header.scales()[column]);
         RowReader {
             rows,
             faults: FaultLog::default(),
             sound: true,
+            count: 0,
+            scales: header.scales(),
+            clock: Clock::new(reading, time_scale),
         }
+    }
+
+    /// How many rows were read.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    pub fn time_base(&self) -> TimeBase {
+        self.clock.base()
+    }
+
+    /// What a user is told of the times.
+    pub fn told(&self) -> Option<String> {
+        let assumed = self.clock.assumed_utc;
+        assumed.then(|| {
+            "times without a zone are taken as UTC; `utc_offset_s` says otherwise".to_owned()
+        })
     }
 
     /// Goes to the next row; `false` at the end, or when there are too many faults.
     pub fn advance(&mut self) -> bool {
         self.sound = true;
-        !self.faults.is_full() && self.rows.advance(&mut self.faults)
+        let is_there = !self.faults.is_full() && self.rows.advance(&mut self.faults);
+        self.count += u64::from(is_there);
+        is_there
     }
 
     /// Whether nothing was wrong with the current row so far.
@@ -38,6 +75,34 @@ impl<'a> RowReader<'a> {
     /// A row by its number, for faults that name another row: "line 12".
     pub fn called(&self, row: u64) -> String {
         format!("{} {row}", self.rows.row_word())
+    }
+
+    /// What a row is called: "line" or "row".
+    pub fn row_word(&self) -> &'static str {
+        self.rows.row_word()
+    }
+
+    /// Keeps the attributes of the object that a row names; the last word counts.
+    pub fn note_attributes(
+        &self,
+        object: usize,
+        columns: &[(&'static str, usize)],
+        attributes: &mut Attributes,
+    ) {
+        for &(name, column) in columns {
+            let text = self.text(column).trim();
+            if text.is_empty() {
+                continue;
+            }
+            let object = self.text(object);
+            let known = match attributes.get_mut(object) {
+                Some(known) => known,
+                None => attributes.entry(object.to_owned()).or_default(),
+            };
+            if known.get(name).is_none_or(|known| known != text) {
+                known.insert(name, text.to_owned());
+            }
+        }
     }
 
     /// Reports a fault in a cell of the current row.
@@ -99,11 +164,55 @@ impl<'a> RowReader<'a> {
         repeats.warning(self.rows.row_word())
     }
 
+    /// The time of a cell (s).
+    pub fn time(&mut self, column: usize) -> Option<f64> {
+        let text = self.rows.cell(column).trim_ascii();
+        match self.clock.read(text) {
+            Ok(time_s) => return Some(time_s),
+            Err(NoTime::NotFinite) => {
+                self.fault(
+                    column,
+                    "not_finite",
+                    format!("'{text}' is not a finite number"),
+                );
+            }
+            Err(_) if text.is_empty() => self.fault(
+                column,
+                "missing",
+                format!("'{}' is empty", self.rows.names()[column]),
+            ),
+            Err(NoTime::Unreadable) => {
+                let detail = format!("expected a time, found '{}'", shorten(text));
+                self.fault_allowing(column, "malformed", detail, TIMES);
+            }
+            Err(NoTime::OtherWay) => {
+                let detail = format!(
+                    "'{}' is written in another way than the times before",
+                    shorten(text)
+                );
+                self.fault_allowing(column, "malformed", detail, TIMES);
+            }
+        }
+        None
+    }
+
+    /// Reports a latitude and a longitude that are not on the Earth.
+    pub fn fault_off_earth(&mut self, [lon, lat]: [usize; 2], lat_deg: f64, lon_deg: f64) {
+        if lat_deg.abs() > 90.0 {
+            let detail = format!("{lat_deg} is no latitude");
+            self.fault_allowing(lat, "out_of_range", detail, "-90 to 90 degrees");
+        }
+        if lon_deg.abs() > 180.0 {
+            let detail = format!("{lon_deg} is no longitude");
+            self.fault_allowing(lon, "out_of_range", detail, "-180 to 180 degrees");
+        }
+    }
+
     /// A finite number; an empty cell is a fault.
     pub fn number(&mut self, column: usize) -> Option<f64> {
         let text = self.rows.cell(column).trim_ascii();
         match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => return Some(value),
+            Ok(value) if value.is_finite() => return Some(value * self.scales[column]),
             Ok(_) => self.fault(
                 column,
                 "not_finite",

@@ -3,10 +3,14 @@
 //! told.
 
 use super::estimate::{EstimateColumns, EstimateLayout};
+use super::ground::{self, Ground};
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
-use super::{Repeats, Rows, Sink};
+use super::{Repeats, Sink, Table};
+use crate::formats::disorder::Disorder;
+use crate::geodesy::Stereographic;
+use crate::model::attributes::Attributes;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::space::Space;
@@ -24,6 +28,7 @@ struct Columns {
     probability: Option<usize>,
     status: Option<usize>,
     nis: Option<usize>,
+    attributes: Vec<(&'static str, usize)>,
 }
 
 impl Columns {
@@ -37,6 +42,7 @@ impl Columns {
             probability: header.find("probability"),
             status: header.find("status"),
             nis: header.find("nis"),
+            attributes: header.attributes(),
         }
     }
 }
@@ -56,35 +62,50 @@ struct Builder {
     detections: Interner,
     /// Each track's points, and the row that each comes from.
     points: Vec<Vec<(TrackPoint, u64)>>,
-    /// The latest point of each track and sensor; only looked up, never walked.
-    latest: HashMap<(u32, Option<u32>), usize>,
+    /// The point of each track, sensor and time; only looked up, never walked.
+    latest: HashMap<(u32, Option<u32>, u64), usize>,
+    /// Where each track goes in the natural order of names, once that is known.
+    track_places: Vec<u32>,
     candidates: Vec<CandidateRow>,
     repeats: Repeats,
+    ground: Ground,
+    disorder: Disorder,
+    attributes: Attributes,
 }
 
-/// Reads tracks; also whether there was no row at all.
+/// Reads tracks; also how many rows there were, and how many said something again.
 ///
 /// # Errors
 /// Every fault of the rows.
 pub fn read(
-    rows: &mut dyn Rows,
+    table: Table,
     header: &Header,
     warnings: &mut Vec<String>,
-) -> Result<(Dataset, bool), Vec<Fault>> {
+) -> Result<(Dataset, u64, u64), Vec<Fault>> {
     let columns = Columns::from_header(header);
-    let mut reader = RowReader::new(rows);
+    let mut reader = RowReader::new(table.rows, header, table.reading);
     let mut builder = Builder::default();
     while reader.advance() {
         builder.read_row(&mut reader, &columns);
     }
     builder.check_candidates(&mut reader, &columns);
+    builder.sort_points();
+    warnings.extend(reader.told());
+    warnings.extend(builder.disorder.warning(reader.row_word()));
     warnings.extend(reader.repeats_warning(&builder.repeats));
+    let (total, base) = (reader.count(), reader.time_base());
     reader.faults.finish()?;
-    let empty = builder.points.is_empty();
-    Ok((
-        Dataset::Tracks(builder.finish(columns.estimate.space)),
-        empty,
-    ))
+    let repeated = builder.repeats.count() as u64;
+    let frame = builder.ground.frame(table.reading)?;
+    if let (true, Some(plane)) = (
+        columns.estimate.is_geographic(),
+        builder.ground.plane(frame),
+    ) {
+        builder.settle(&plane);
+    }
+    let mut set = builder.finish(columns.estimate.space);
+    (set.frame, set.time_base) = (frame, base);
+    Ok((Dataset::Tracks(set), total, repeated))
 }
 
 impl Builder {
@@ -102,6 +123,11 @@ impl Builder {
         let sensor = reader.optional_text(columns.sensor);
         let sensor = (!sensor.is_empty()).then(|| self.sensors.number(sensor));
         let Some(point) = point else { return };
+        if columns.estimate.is_geographic() {
+            self.ground
+                .add(point.estimate.position.y, point.estimate.position.x);
+        }
+        reader.note_attributes(columns.track, &columns.attributes, &mut self.attributes);
         let point = self.place(reader, columns, track, TrackPoint { sensor, ..point });
         let detection = reader.optional_text(columns.detection);
         if let Some(probability) = probability
@@ -133,32 +159,59 @@ impl Builder {
             self.points.resize_with(track as usize + 1, Vec::new);
         }
         let points = &mut self.points[track as usize];
-        let latest = self
-            .latest
-            .entry((track, point.sensor))
-            .or_insert(points.len());
-        if let Some((known, row)) = points
-            .get(*latest)
-            .filter(|(known, _)| known.time_s == point.time_s)
-        {
-            if columns.detection.is_none() && *known == point {
+        let key = (track, point.sensor, point.time_s.to_bits());
+        let known = *self.latest.entry(key).or_insert(points.len());
+        if let Some((known_point, row)) = points.get(known) {
+            if columns.detection.is_none() && *known_point == point {
                 self.repeats.add(reader.row());
             } else {
-                check_same_point(reader, columns, known, &point, *row);
+                check_same_point(reader, columns, known_point, &point, *row);
             }
-            return *latest as u32;
+            return known as u32;
         }
-        if let Some((last, row)) = points.last().filter(|(last, _)| point.time_s < last.time_s) {
-            let (name, before) = (reader.text(columns.track), reader.called(*row));
-            let detail = format!(
-                "track '{name}': time {} s comes after {} s on {before}",
-                point.time_s, last.time_s
-            );
-            reader.fault(columns.time, "unsorted", detail);
-        }
-        *latest = points.len();
+        let mut latest_s = points
+            .last()
+            .map_or(f64::NEG_INFINITY, |(last, _)| last.time_s);
+        self.disorder
+            .note(&mut latest_s, point.time_s, reader.row());
         points.push((point, reader.row()));
-        *latest as u32
+        known as u32
+    }
+
+    /// Brings each track's points into the order of time, and with them the candidates, which are in the order of points.
+    fn sort_points(&mut self) {
+        for (track, points) in self.points.iter_mut().enumerate() {
+            if points.is_sorted_by(|a, b| a.0.time_s <= b.0.time_s) {
+                continue;
+            }
+            let mut order: Vec<usize> = (0..points.len()).collect();
+            order.sort_by(|&a, &b| points[a].0.time_s.total_cmp(&points[b].0.time_s));
+            let mut place = vec![0; order.len()];
+            for (new, &old) in order.iter().enumerate() {
+                place[old] = new as u32;
+            }
+            *points = order.iter().map(|&old| points[old].clone()).collect();
+            let of_track = self
+                .track_places
+                .get(track)
+                .copied()
+                .unwrap_or(track as u32);
+            for row in self
+                .candidates
+                .iter_mut()
+                .filter(|row| row.track == of_track)
+            {
+                row.point = place[row.point as usize];
+            }
+        }
+        self.candidates.sort_by_key(|row| (row.track, row.point));
+    }
+
+    fn settle(&mut self, plane: &Stereographic) {
+        for (point, _) in self.points.iter_mut().flatten() {
+            let estimate = &mut point.estimate;
+            ground::settle(plane, &mut estimate.position, estimate.velocity.as_mut());
+        }
     }
 
     /// Brings candidates into the order of tracks and points, and finds detections named twice for one point: with the same
@@ -168,6 +221,7 @@ impl Builder {
             return;
         };
         let places = self.tracks.places();
+        self.track_places.clone_from(&places);
         self.candidates
             .iter_mut()
             .for_each(|candidate| candidate.track = places[candidate.track as usize]);
@@ -247,6 +301,7 @@ impl Builder {
             candidates,
             detection_ids,
             sensor_ids,
+            attributes: self.attributes,
             ..TrackSet::default()
         }
     }
@@ -271,15 +326,16 @@ fn renumber(candidates: &mut [Candidate], mut names: Vec<String>) -> Vec<String>
 
 /// The row's point, without its sensor and candidates.
 fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
-    let time_s = reader.number(columns.time);
+    let time_s = reader.time(columns.time);
     let estimate = columns.estimate.read(reader);
+    let height_m = columns.estimate.read_height(reader);
     let status = read_status(reader, columns);
     let nis = read_nis(reader, columns);
     Some(TrackPoint {
-        height_m: None,
         time_s: time_s?,
         sensor: None,
         estimate: estimate?,
+        height_m,
         status,
         nis,
         first_candidate: 0,
@@ -365,15 +421,23 @@ fn check_same_point(
 /// What the output says.
 pub fn write(set: &TrackSet, sink: &mut dyn Sink) -> io::Result<()> {
     let layout = Layout::for_set(set);
-    sink.begin(&layout.columns())?;
+    let attributes = layout.estimate.attributes(&set.attributes);
+    let mut columns = layout.columns();
+    columns.extend(&attributes);
+    sink.begin(&columns)?;
+    let beside = Beside {
+        layout,
+        plane: layout.estimate.plane(),
+        attributes,
+    };
     for track in &set.tracks {
         for point in &track.points {
             let candidates = set.candidates_of(point);
             if candidates.is_empty() {
-                write_row(set, track, point, None, layout, sink)?;
+                write_row(set, track, point, None, &beside, sink)?;
             }
             for candidate in candidates {
-                write_row(set, track, point, Some(candidate), layout, sink)?;
+                write_row(set, track, point, Some(candidate), &beside, sink)?;
             }
         }
     }
@@ -422,12 +486,23 @@ impl Layout {
     }
 }
 
+/// What is written beside the state of each point.
+struct Beside {
+    layout: Layout,
+    plane: Option<Stereographic>,
+    attributes: Vec<&'static str>,
+}
+
 fn write_row(
     set: &TrackSet,
     track: &Track,
     point: &TrackPoint,
     candidate: Option<&Candidate>,
-    layout: Layout,
+    Beside {
+        layout,
+        plane,
+        attributes,
+    }: &Beside,
     sink: &mut dyn Sink,
 ) -> io::Result<()> {
     sink.number(Some(point.time_s))?;
@@ -446,6 +521,10 @@ fn write_row(
         estimate.covariance.as_deref(),
         sink,
     )?;
+    let position = &estimate.position;
+    layout
+        .estimate
+        .write_beside(plane.as_ref(), position, point.height_m, sink)?;
     if layout.candidates {
         let detection = candidate.and_then(|candidate| candidate.detection);
         sink.text(detection.map(|detection| set.detection_ids[detection as usize].as_str()))?;
@@ -456,6 +535,10 @@ fn write_row(
     }
     if layout.nis {
         sink.number(point.nis)?;
+    }
+    let known = set.attributes.get(&track.track_id);
+    for name in attributes {
+        sink.text(known.and_then(|known| known.get(name)).map(String::as_str))?;
     }
     sink.end_row()
 }

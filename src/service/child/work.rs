@@ -6,6 +6,7 @@ use super::protocol::{Checked, Made, MadeFile, Order, Upload};
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::{self, Artifact, Inputs, JobKind, Plan};
 use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, format_named};
+use crate::model::dataset::DatasetSummary;
 use crate::model::fault::Fault;
 use crate::service::child::Failure;
 use crate::service::child::meter::Meter;
@@ -94,10 +95,17 @@ fn check(upload: &Upload) -> Result<Made, Failure> {
             })
         }
     }?;
-    let ReadOutcome { dataset, warnings } = check_as(format, upload, file)?;
+    let ReadOutcome {
+        dataset,
+        warnings,
+        units,
+    } = check_as(format, upload, file)?;
     Ok(Made::Checked(Checked {
         format: format.name.to_owned(),
-        summary: dataset.summary(),
+        summary: DatasetSummary {
+            units: Some(units),
+            ..dataset.summary()
+        },
         warnings,
     }))
 }

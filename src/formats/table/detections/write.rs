@@ -2,7 +2,10 @@
 
 use crate::formats::table::Sink;
 use crate::formats::table::degrees::degrees;
+use crate::formats::table::estimate::rounded_deg;
+use crate::geodesy::Stereographic;
 use crate::model::scan::{Detection, Measurement, Recording, Scan};
+use crate::model::state::Position;
 use std::io;
 
 /// Writes every detection, and a row without one for each scan that saw nothing.
@@ -11,13 +14,20 @@ use std::io;
 /// What the output says.
 pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     let layout = Layout::for_recording(recording);
-    sink.begin(&layout.columns())?;
+    let mut columns = layout.columns();
+    columns.extend(recording.beside.attributes.keys());
+    sink.begin(&columns)?;
+    let frame = recording.frame;
+    let plane =
+        frame.map(|frame| Stereographic::about(frame.latitude_deg(), frame.longitude_deg()));
     for (first, scan) in recording.scans_with_firsts() {
         if scan.detections.is_empty() {
             write_row(recording, scan, None, layout, sink)?;
+            write_beside((recording, scan, plane.as_ref()), None, layout, sink)?;
         }
         for found in (first..).zip(&scan.detections) {
             write_row(recording, scan, Some(found), layout, sink)?;
+            write_beside((recording, scan, plane.as_ref()), Some(found), layout, sink)?;
         }
     }
     Ok(())
@@ -32,6 +42,10 @@ struct Layout {
     range_rate: bool,
     amplitude: bool,
     origin: bool,
+    z: bool,
+    /// Latitude and longitude.
+    earth: bool,
+    height: bool,
 }
 
 impl Layout {
@@ -65,6 +79,9 @@ impl Layout {
             range_rate,
             amplitude,
             origin: recording.origins_known,
+            z: recording.is_in_volume(),
+            earth: recording.frame.is_some(),
+            height: !recording.beside.heights_m.is_empty(),
         }
     }
 
@@ -76,11 +93,19 @@ impl Layout {
                 .into_iter()
                 .flatten(),
         );
+        columns.extend(self.z.then_some("z_m"));
         columns.extend(self.range.then_some("range_m"));
         columns.extend(self.bearing.then_some("bearing_deg"));
         columns.extend(self.range_rate.then_some("range_rate_mps"));
         columns.extend(self.amplitude.then_some("amplitude"));
         columns.extend(self.origin.then_some("truth_id"));
+        columns.extend(
+            self.earth
+                .then_some(["lat_deg", "lon_deg"])
+                .into_iter()
+                .flatten(),
+        );
+        columns.extend(self.height.then_some("height_m"));
         columns
     }
 }
@@ -93,7 +118,8 @@ fn write_row(
     sink: &mut dyn Sink,
 ) -> io::Result<()> {
     let detection = found.map(|(_, detection)| detection);
-    sink.number(Some(scan.time_s))?;
+    let own_time_s = found.and_then(|(index, _)| recording.beside.times_s.get(index));
+    sink.number(Some(own_time_s.copied().unwrap_or(scan.time_s)))?;
     sink.number(Some(f64::from(scan.number)))?;
     sink.text(Some(&recording.sensors[scan.sensor].sensor_id))?;
     sink.text(found.map(|(index, _)| recording.detection_ids[index].as_str()))?;
@@ -112,6 +138,10 @@ fn write_row(
         sink.number(position.map(|[x_m, _]| x_m))?;
         sink.number(position.map(|[_, y_m]| y_m))?;
     }
+    if layout.z {
+        let z_m = found.and_then(|(index, _)| recording.z_m.get(index).copied());
+        sink.number(z_m.flatten())?;
+    }
     if layout.range {
         sink.number(range_m)?;
     }
@@ -128,5 +158,45 @@ fn write_row(
         let origin = detection.and_then(|detection| detection.origin);
         sink.text(origin.map(|origin| recording.targets[origin as usize].as_str()))?;
     }
+    Ok(())
+}
+
+/// Where it is on the Earth, how high, and its attributes; ends the row.
+fn write_beside(
+    (recording, scan, plane): (&Recording, &Scan, Option<&Stereographic>),
+    found: Option<(usize, &Detection)>,
+    layout: Layout,
+    sink: &mut dyn Sink,
+) -> io::Result<()> {
+    let beside = &recording.beside;
+    if layout.earth {
+        let place_m = found.and_then(|(_, detection)| place_m(recording, scan, detection));
+        let earth = plane
+            .zip(place_m)
+            .map(|(plane, place_m)| plane.unproject(&place_m));
+        sink.number(earth.map(|(lat_deg, _)| rounded_deg(lat_deg)))?;
+        sink.number(earth.map(|(_, lon_deg)| rounded_deg(lon_deg)))?;
+    }
+    if layout.height {
+        let height_m = found.and_then(|(index, _)| beside.heights_m.get(index).copied());
+        sink.number(height_m.flatten())?;
+    }
+    for labels in beside.attributes.values() {
+        sink.text(found.and_then(|(index, _)| labels.get(index)))?;
+    }
     sink.end_row()
+}
+
+/// Where a detection is in the plane; of a range and bearing that needs the place of the sensor.
+fn place_m(recording: &Recording, scan: &Scan, detection: &Detection) -> Option<Position> {
+    let settings = &recording.sensors[scan.sensor];
+    let known_m = settings
+        .x_m
+        .zip(settings.y_m)
+        .map(|(x_m, y_m)| Position::new(x_m, y_m));
+    let moved_m = scan.pose.map(|pose| pose.place.xy());
+    match moved_m.or(known_m) {
+        Some(place_m) => detection.measurement.position_seen_from(&place_m),
+        None => detection.measurement.position(),
+    }
 }

@@ -118,6 +118,20 @@ impl Units {
         self.rejected.values().map(|rejected| rejected.count).sum()
     }
 
+    /// All that was not used, in one line: ignored kinds and reasons, with their counts.
+    pub fn fates(&self) -> String {
+        let ignored = self
+            .ignored
+            .iter()
+            .map(|(kind, count)| format!("{kind} {count}"));
+        let rejected = self
+            .rejected
+            .iter()
+            .map(|(reason, rejected)| format!("{reason} {}", rejected.count));
+        let list: Vec<String> = ignored.chain(rejected).collect();
+        list.join(", ")
+    }
+
     /// What a user is told of rejected units, a line a reason: `record`s 5, 9 and 14 more.
     pub fn rejections(&self) -> Vec<String> {
         let told = |(reason, rejected): (&String, &Rejected)| {

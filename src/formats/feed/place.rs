@@ -1,0 +1,206 @@
+//! The plane of a feed: where it touches the Earth, and where its reports are in it.
+
+use super::{Feed, Report, Site, Spot};
+use crate::formats::Reading;
+use crate::geodesy::{Geodetic, Stereographic, at_slant_range, wrap_longitude_deg};
+use crate::model::fault::Fault;
+use crate::model::space::{Frame, Place};
+use crate::model::state::Position;
+use std::collections::BTreeMap;
+
+/// Farther from the origin lengths in the plane are wrong by more than 0.6 %.
+const FAR_M: f64 = 1e6;
+
+/// The plane, and the sites of sensors in it.
+pub(super) struct Ground {
+    pub frame: Option<Frame>,
+    plane: Option<Stereographic>,
+    sites: BTreeMap<u32, Site>,
+    assumed_height_m: Option<f64>,
+    /// The longest way from the origin so far (m).
+    farthest_m: f64,
+}
+
+impl Ground {
+    /// # Errors
+    /// An origin that cannot be, since no place of the feed is finite.
+    pub fn of(feed: &mut Feed, reading: &Reading) -> Result<Self, Vec<Fault>> {
+        let mut sites = std::mem::take(&mut feed.sites);
+        for site in &reading.sites {
+            let place = Site {
+                lat_deg: site.lat_deg,
+                lon_deg: site.lon_deg,
+                height_m: site.height_m,
+            };
+            sites.insert(feed.sensors.number(&site.sensor_id), place);
+        }
+        let frame = match reading.origin {
+            Some(frame) => Some(frame),
+            None => choose_origin(feed, &sites)?,
+        };
+        let plane =
+            frame.map(|frame| Stereographic::about(frame.latitude_deg(), frame.longitude_deg()));
+        Ok(Ground {
+            frame,
+            plane,
+            sites,
+            assumed_height_m: reading.assumed_height_m,
+            farthest_m: 0.0,
+        })
+    }
+
+    pub fn site(&self, sensor: u32) -> Option<&Site> {
+        self.sites.get(&sensor)
+    }
+
+    /// Where a sensor stands in the plane.
+    pub fn site_m(&self, sensor: u32) -> Option<Position> {
+        let site = self.sites.get(&sensor)?;
+        Some(self.plane.as_ref()?.project(site.lat_deg, site.lon_deg))
+    }
+
+    /// Where a report puts its object, in the plane (m); of a radar whose site nobody knows there is none.
+    pub fn place_m(&mut self, report: &Report) -> Option<Position> {
+        let place_m = match report.spot {
+            Spot::Plane { x_m, y_m } => Position::new(x_m, y_m),
+            Spot::Geographic { lat_deg, lon_deg } => self.plane.as_ref()?.project(lat_deg, lon_deg),
+            Spot::Polar { .. } => {
+                let there = self.seen_by_radar(report)?;
+                self.plane.as_ref()?.project(there.lat_deg, there.lon_deg)
+            }
+        };
+        self.farthest_m = self.farthest_m.max(place_m.norm());
+        Some(place_m)
+    }
+
+    /// Where a radar of known site saw it.
+    fn seen_by_radar(&self, report: &Report) -> Option<Geodetic> {
+        let Spot::Polar {
+            range_m,
+            bearing_rad,
+        } = report.spot
+        else {
+            return None;
+        };
+        let site = self.sites.get(&report.sensor)?;
+        let site = Geodetic {
+            lat_deg: site.lat_deg,
+            lon_deg: site.lon_deg,
+            height_m: site.height_m,
+        };
+        let height_m = report.height_m.or(self.assumed_height_m);
+        Some(at_slant_range(&site, range_m, bearing_rad, height_m))
+    }
+
+    /// Range and bearing in the plane, from the radar's own place in it. Of a radar whose site nobody knows, as on level ground of
+    /// middle latitudes, and from true north.
+    pub fn polar(&mut self, report: &Report) -> Option<(f64, f64)> {
+        let Spot::Polar {
+            range_m,
+            bearing_rad,
+        } = report.spot
+        else {
+            return None;
+        };
+        if let (Some(place_m), Some(site_m)) = (self.place_m(report), self.site_m(report.sensor)) {
+            let away_m = place_m - site_m;
+            return Some((away_m.norm(), away_m.x.atan2(away_m.y)));
+        }
+        let height_m = report.height_m.or(self.assumed_height_m);
+        let Some(height_m) = height_m else {
+            return Some((range_m, bearing_rad));
+        };
+        let somewhere = Geodetic {
+            lat_deg: 45.0,
+            lon_deg: 0.0,
+            height_m: 0.0,
+        };
+        let there = at_slant_range(&somewhere, range_m, 0.0, Some(height_m));
+        let level = Geodetic {
+            height_m: 0.0,
+            ..there
+        };
+        let along_m = somewhere.enu_of(&level).norm();
+        Some((along_m, bearing_rad))
+    }
+
+    /// The velocity in the plane, whose y axis points north at its origin alone.
+    pub fn velocity(&self, report: &Report) -> Option<Place> {
+        let motion = report.motion?;
+        let turn_rad = match (report.spot, &self.plane) {
+            (Spot::Geographic { lat_deg, lon_deg }, Some(plane)) => {
+                plane.turn_rad(lat_deg, lon_deg)
+            }
+            (Spot::Polar { .. }, Some(plane)) => {
+                let there = self.seen_by_radar(report)?;
+                plane.turn_rad(there.lat_deg, there.lon_deg)
+            }
+            _ => 0.0,
+        };
+        let (sin, cos) = (motion.course_rad + turn_rad).sin_cos();
+        Some(Place::new(
+            motion.speed_mps * sin,
+            motion.speed_mps * cos,
+            0.0,
+        ))
+    }
+
+    /// What a user is told of a plane that is stretched too far.
+    pub fn warning(&self) -> Option<String> {
+        let far = self.plane.is_some() && self.farthest_m > FAR_M;
+        far.then(|| {
+            format!(
+                "places lie up to {:.0} km from the origin: beyond 1000 km the plane is longer than the Earth by more than 0.6 %",
+                self.farthest_m / 1000.0
+            )
+        })
+    }
+}
+
+/// The site of the only sensor, else the middle of all places, rounded to a hundredth of a degree; `None` where nothing says where
+/// on the Earth anything is.
+fn choose_origin(feed: &Feed, sites: &BTreeMap<u32, Site>) -> Result<Option<Frame>, Vec<Fault>> {
+    let mut middle = Middle::default();
+    for report in &feed.reports {
+        if let Spot::Geographic { lat_deg, lon_deg } = report.spot {
+            middle.add(lat_deg, lon_deg);
+        }
+    }
+    if let (Some(site), 1) = (sites.values().next(), sites.len()) {
+        return Frame::new(site.lat_deg, site.lon_deg, site.height_m).map(Some);
+    }
+    for site in sites.values() {
+        middle.add(site.lat_deg, site.lon_deg);
+    }
+    middle.frame()
+}
+
+/// The middle of places, the shorter way round the Earth.
+#[derive(Debug, Default)]
+pub(in crate::formats) struct Middle {
+    lat_deg: Option<(f64, f64)>,
+    /// The first longitude, and the least and greatest difference from it.
+    lon_deg: Option<(f64, f64, f64)>,
+}
+
+impl Middle {
+    pub fn add(&mut self, lat_deg: f64, lon_deg: f64) {
+        let (least, greatest) = self.lat_deg.get_or_insert((lat_deg, lat_deg));
+        (*least, *greatest) = (least.min(lat_deg), greatest.max(lat_deg));
+        let (first, least, greatest) = self.lon_deg.get_or_insert((lon_deg, 0.0, 0.0));
+        let away = wrap_longitude_deg(lon_deg - *first);
+        (*least, *greatest) = (least.min(away), greatest.max(away));
+    }
+
+    /// # Errors
+    /// Places that are not on the Earth.
+    pub fn frame(&self) -> Result<Option<Frame>, Vec<Fault>> {
+        let (Some(lat), Some((first, least, greatest))) = (self.lat_deg, self.lon_deg) else {
+            return Ok(None);
+        };
+        let rounded = |value: f64| (value * 100.0).round() / 100.0;
+        let lat_deg = rounded(f64::midpoint(lat.0, lat.1));
+        let lon_deg = rounded(wrap_longitude_deg(first + f64::midpoint(least, greatest)));
+        Frame::new(lat_deg, lon_deg, 0.0).map(Some)
+    }
+}
