@@ -119,6 +119,8 @@ fn scene(targets: u32) -> (Scenario, Recording) {
         scans: 30,
         scan_period_s: 8.0,
         sensors: vec![ScenarioSensor {
+            lat_deg: None,
+            lon_deg: None,
             sensor_id: "radar".into(),
             x_m: 0.0,
             y_m: 0.0,
@@ -279,6 +281,8 @@ fn associator(method: &str, parameters: &serde_json::Value) -> Box<dyn Associato
 /// 100 targets that start within 2 km, and 500 false detections a scan in the same 2 km.
 fn dense_scene() -> (Scenario, Recording) {
     let sensor = ScenarioSensor {
+        lat_deg: None,
+        lon_deg: None,
         sensor_id: "radar".into(),
         x_m: 0.0,
         y_m: 0.0,

@@ -83,6 +83,8 @@ fn scene(side: u32) -> (Scenario, Recording) {
         vy_mps: 0.5,
     };
     let sensor = ScenarioSensor {
+        lat_deg: None,
+        lon_deg: None,
         sensor_id: "radar".into(),
         x_m: 0.0,
         y_m: 0.0,

@@ -166,6 +166,8 @@ impl Flights {
 fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
     let max_range_m = 3_000.0;
     let sensor = ScenarioSensor {
+        lat_deg: None,
+        lon_deg: None,
         sensor_id: "radar".into(),
         x_m: 0.0,
         y_m: 0.0,

@@ -14,6 +14,7 @@ mod evaluate;
 mod files;
 mod group;
 mod input;
+pub mod inspect;
 mod job;
 pub mod observer;
 pub mod presets;

@@ -1,7 +1,7 @@
 //! Times as files write them: seconds, ISO 8601, a named format, or the time of day.
 
 use crate::model::time::TimeBase;
-use jiff::civil::{Date, DateTime, Time};
+use jiff::civil::{DateTime, Time};
 use jiff::fmt::strtime;
 use jiff::fmt::temporal::Pieces;
 use jiff::tz::{Offset, TimeZone};
@@ -118,7 +118,11 @@ impl Clock {
         if let Some(time_s) = self.read_instant(text) {
             return Some((Way::Instant, time_s));
         }
-        let time: Time = text.parse().ok()?;
+        // Of a text with a day the library would take the time alone.
+        let time: Time = Some(text)
+            .filter(|text| !text.contains(['-', 'T']))?
+            .parse()
+            .ok()?;
         Some((
             Way::TimeOfDay,
             seconds_of_day(time) - self.utc_offset_s.unwrap_or_default(),
@@ -199,15 +203,6 @@ fn seconds(nanoseconds: i128) -> f64 {
         nanoseconds.rem_euclid(1_000_000_000),
     );
     whole as f64 + rest as f64 / 1e9
-}
-
-/// A day as the seconds since 1970 of its beginning.
-pub fn day_of(year: i16, month: i8, day: i8) -> Option<f64> {
-    let date = Date::new(year, month, day).ok()?;
-    let midnight = TimeZone::UTC
-        .to_timestamp(date.to_datetime(Time::midnight()))
-        .ok()?;
-    Some(midnight.as_second() as f64)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
-//! Canonical CSV: a header line with the column names, then one row a line. UTF-8, commas, quotes where needed; a byte
-//! order mark and Windows line ends are accepted. Reads and writes row by row.
+//! CSV: a header line with the column names, then one row a line. Written with commas and quotes where needed; read with commas,
+//! semicolons, tabs or bars, decimal commas, lines of comment, a byte order mark and Windows line ends, too. Row by row.
 
+use super::dialect::{self, Dialect};
 use super::lines::{self, BoundedLines};
 use super::table::{self, FaultLog, Rows, Sink};
 use super::{
@@ -63,16 +64,20 @@ struct CsvRows<'a> {
     names: Vec<String>,
     record: StringRecord,
     line: u64,
+    has_decimal_commas: bool,
 }
 
 impl<'a> CsvRows<'a> {
     /// Reads the header.
     fn open(input: &'a mut dyn BufRead) -> Result<Self, Vec<Fault>> {
         // Records end at '\n' so that lines can be counted; the '\r' of a Windows line end is cut off by us.
+        let dialect = Dialect::of(input.fill_buf().unwrap_or_default());
         let (lines, newline) = (BoundedLines::new(input), Terminator::Any(b'\n'));
         let reader = ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
+            .delimiter(dialect.delimiter)
+            .comment(dialect.comment)
             .terminator(newline)
             .from_reader(lines);
         let mut rows = CsvRows {
@@ -80,6 +85,7 @@ impl<'a> CsvRows<'a> {
             names: Vec::new(),
             record: StringRecord::new(),
             line: 1,
+            has_decimal_commas: dialect.has_decimal_commas,
         };
         let mut faults = FaultLog::default();
         let found = rows.next_record(&mut faults);
@@ -127,6 +133,9 @@ impl<'a> CsvRows<'a> {
                         .count() as u64;
                     self.line = before.max(after.saturating_sub(1 + inside));
                     if self.record.as_slice() != "\r" || self.record.len() != 1 {
+                        if self.has_decimal_commas {
+                            self.record = dialect::with_points(&self.record);
+                        }
                         return true;
                     }
                 }

@@ -1,14 +1,18 @@
-//! Canonical JSON: the columns of canonical CSV as arrays, `null` where a cell is empty:
+//! JSON: the columns of CSV as arrays, `null` where a cell is empty:
 //! `{"kind": "truth", "columns": {"time_s": [0, 1], "truth_id": ["1", "1"], …}, "sensors": […]}`.
-//! `kind` may be left out; `sensors` says what is known of the sensors of detections.
+//! `kind` may be left out; `sensors` says what is known of the sensors of detections, `frame` where the origin is, `time_base` what
+//! times are counted from. Columns alone, arrays of records, a record a line and the states of OpenSky are read, too.
 
 use super::json_document::{Column, Columns, Document, MAX_SENSORS, document};
+use super::json_records::Records;
+use super::lines::read_line;
 use super::table::{self, FaultLog, Rows, Sink, pointer_token};
 use super::{Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, TABLES};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::names::name_fault;
 use crate::model::sensor::SensorSettings;
+use serde::de::DeserializeSeed;
 use std::collections::BTreeSet;
 use std::io::{self, BufRead, Write};
 
@@ -26,7 +30,11 @@ pub const FORMAT: Format = Format {
 /// # Errors
 /// Every fault: of the JSON text with its line, of a value with its pointer, such as `/file/columns/x_m/17`.
 pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
-    let mut document = document(input)?;
+    let mut document = if is_lines(input) {
+        read_lines(input)?
+    } else {
+        document(input)?
+    };
     let mut faults = FaultLog::default();
     let kind = options.kind.or(document.kind);
     if let (Some(asked), Some(said)) = (options.kind, document.kind)
@@ -49,20 +57,72 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
         next: 0,
     };
     let described = std::mem::take(&mut document.sensors.described);
-    let mut outcome = table::read(
-        &mut rows,
-        &ReadOptions {
-            kind,
-            ..options.clone()
-        },
-        described,
-    )?;
+    let mut options = ReadOptions {
+        kind,
+        ..options.clone()
+    };
+    options.options.add("origin", &document.frame);
+    options.options.add("time_base", &document.time_base);
+    let mut outcome = table::read(&mut rows, &options, described)?;
     if document.sensors.count > 0 && outcome.dataset.kind() != DatasetKind::Detections {
         outcome
             .warnings
             .push("'sensors' is used for detections only".to_owned());
     }
     Ok(outcome)
+}
+
+/// Whether the text is a record a line: the first line is a whole object, and another follows.
+fn is_lines(input: &mut dyn BufRead) -> bool {
+    let Ok(head) = input.fill_buf() else {
+        return false;
+    };
+    let text = head.trim_ascii_start();
+    let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let (first, second) = (lines.next(), lines.next());
+    let is_whole = |line: &[u8]| line.starts_with(b"{") && line.ends_with(b"}");
+    first.is_some_and(is_whole) && second.is_some_and(|line| line.starts_with(b"{"))
+}
+
+/// A record a line.
+fn read_lines(input: &mut dyn BufRead) -> Result<Document, Vec<Fault>> {
+    let mut records = Records::default();
+    let mut faults = FaultLog::default();
+    let (mut line, mut number) = (Vec::new(), 0);
+    while !faults.is_full() {
+        number += 1;
+        match read_line(input, &mut line) {
+            Ok(true) if line.trim_ascii().is_empty() => continue,
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(error) => {
+                let fault = Fault::new(
+                    "/file",
+                    "malformed",
+                    format!("the file cannot be read: {error}"),
+                );
+                faults.push(Fault {
+                    line: Some(number),
+                    ..fault
+                });
+                break;
+            }
+        }
+        let mut deserializer = serde_json::Deserializer::from_slice(&line);
+        let read = (&mut records).deserialize(&mut deserializer);
+        if let Err(error) = read.and_then(|()| deserializer.end()) {
+            let fault = Fault::new("/file", "malformed", error.to_string());
+            faults.push(Fault {
+                line: Some(number),
+                ..fault
+            });
+        }
+    }
+    faults.finish()?;
+    Ok(Document {
+        columns: records.finish(),
+        ..Document::default()
+    })
 }
 
 fn check_counts(document: &Document, faults: &mut FaultLog) {
@@ -218,6 +278,13 @@ pub fn write_json(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
             ",\"sensors\":{}",
             serde_json::to_string(&recording.sensors)?
         )?;
+    }
+    if let Some(frame) = dataset.frame() {
+        write!(out, ",\"frame\":{}", serde_json::to_string(&frame)?)?;
+    }
+    if dataset.time_base().is_utc() {
+        let base = serde_json::to_string(&dataset.time_base())?;
+        write!(out, ",\"time_base\":{base}")?;
     }
     out.write_all(b"}\n")
 }

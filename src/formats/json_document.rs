@@ -1,25 +1,27 @@
 //! The document of canonical JSON, read as it comes: columns as one text each, and what is too many only counted.
 
 use super::MAX_COLUMNS;
-use super::json_text::{FieldNames, READABLE, parse};
+use super::json_records::{Records, States};
+use super::json_text::parse;
 use super::loose::{own_seed, read_by, visit_scalars, visit_texts};
 use super::table;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use serde::Deserialize;
-use serde::de::value::MapAccessDeserializer;
+use crate::model::space::Frame;
+use crate::model::time::TimeBase;
 use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt::{self, Write as _};
 use std::io::BufRead;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+/// A table as JSON: `{"columns": {…}}` with what else is known, columns alone, an array of records, or the states of OpenSky.
+#[derive(Default)]
 pub(super) struct Document {
     pub kind: Option<DatasetKind>,
     pub columns: Columns,
-    #[serde(default)]
     pub sensors: Sensors,
+    pub frame: Option<Frame>,
+    pub time_base: Option<TimeBase>,
 }
 
 /// Sensors that a file may describe.
@@ -32,66 +34,96 @@ pub(super) struct Sensors {
     pub count: usize,
 }
 
-/// The document, which is no array.
+/// The document.
+///
+/// # Errors
+/// One fault, where the text is no JSON or not one of these shapes.
 pub(super) fn document(input: &mut dyn BufRead) -> Result<Document, Vec<Fault>> {
-    let mut array = None;
-    let read = parse(input, DocumentSeed(&mut array));
-    match array {
-        Some(fault) => Err(vec![fault]),
-        None => read,
-    }
+    parse(input, DocumentSeed)
 }
 
-/// Reads the document; of an array it tells the fault, and reads no further than the first item.
-struct DocumentSeed<'a>(&'a mut Option<Fault>);
+struct DocumentSeed;
 
-own_seed!(DocumentSeed<'_> => Document);
+own_seed!(DocumentSeed => Document);
 
-impl<'de> Visitor<'de> for DocumentSeed<'_> {
+impl<'de> Visitor<'de> for DocumentSeed {
     type Value = Document;
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("an object of columns")
+        formatter.write_str("an object of columns, or an array of records")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Document, A::Error> {
-        Document::deserialize(MapAccessDeserializer::new(map))
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Document, A::Error> {
+        let mut document = Document::default();
+        let mut plain = Columns::default();
+        let mut has_columns = false;
+        while let Some(name) = map.next_key::<String>()? {
+            match name.as_str() {
+                "columns" => (document.columns, has_columns) = (map.next_value()?, true),
+                "kind" => document.kind = map.next_value()?,
+                "sensors" => document.sensors = map.next_value()?,
+                "frame" => document.frame = map.next_value()?,
+                "time_base" => document.time_base = map.next_value()?,
+                "states" => document.columns = map.next_value::<States>()?.0.finish(),
+                _ => plain.add(name, map.next_value::<Member>()?),
+            }
+        }
+        if has_columns && plain.count > 0 {
+            let unknown = plain.names.join(", ");
+            return Err(A::Error::custom(format!(
+                "unknown member {unknown}, expected one of {MEMBERS}"
+            )));
+        }
+        if document.columns.count == 0 && !has_columns {
+            if plain.columns.is_empty() {
+                return Err(A::Error::custom(format!(
+                    "no columns, expected one of {MEMBERS}"
+                )));
+            }
+            document.columns = plain;
+        }
+        Ok(document)
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Document, A::Error> {
-        let array = Fault::new("/file", "wrong_type", "the file is an array").allowing(READABLE);
-        let first: Option<Option<Fault>> = items.next_element_seed(FirstItem)?;
-        *self.0 = Some(first.flatten().unwrap_or(array));
-        Err(A::Error::custom("an array"))
+        let mut records = Records::default();
+        while items.next_element_seed(&mut records)?.is_some() {}
+        Ok(Document {
+            columns: records.finish(),
+            ..Document::default()
+        })
     }
 }
 
-/// The first item of an array: a fault where it is a record.
-struct FirstItem;
+/// What an object may have.
+const MEMBERS: &str = "columns, kind, sensors, frame, time_base; or columns alone, by their names";
 
-own_seed!(FirstItem => Option<Fault>);
+/// A member that has no name of its own: a column, or a single value, which says nothing of rows.
+enum Member {
+    Column(Column),
+    Single,
+}
 
-impl<'de> Visitor<'de> for FirstItem {
-    type Value = Option<Fault>;
+read_by!(Member => deserialize_any(MemberVisitor));
+
+struct MemberVisitor;
+
+impl<'de> Visitor<'de> for MemberVisitor {
+    type Value = Member;
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("a record")
+        formatter.write_str("a column")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut record: A) -> Result<Option<Fault>, A::Error> {
-        let mut names = FieldNames::default();
-        while let Some((name, IgnoredAny)) = record.next_entry()? {
-            names.push(name);
-        }
-        Ok(Some(names.records_fault()))
+    fn visit_seq<A: SeqAccess<'de>>(self, cells: A) -> Result<Member, A::Error> {
+        ColumnVisitor.visit_seq(cells).map(Member::Column)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Option<Fault>, A::Error> {
-        while items.next_element::<IgnoredAny>()?.is_some() {}
-        Ok(None)
+    fn visit_map<A: MapAccess<'de>>(self, cells: A) -> Result<Member, A::Error> {
+        ColumnVisitor.visit_map(cells).map(Member::Column)
     }
 
-    visit_scalars!(self => Ok(None));
+    visit_scalars!(self => Ok(Member::Single));
 }
 
 /// The first columns in the order of the file, and how many there are.
@@ -102,15 +134,35 @@ pub(super) struct Columns {
     pub count: usize,
 }
 
+impl Columns {
+    fn add(&mut self, name: String, member: Member) {
+        self.count += 1;
+        if self.count > MAX_COLUMNS {
+            return;
+        }
+        self.names.push(name);
+        if let Member::Column(column) = member {
+            self.columns.push(column);
+        } else {
+            self.names.pop();
+        }
+    }
+}
+
 /// The cells of one column as one text.
 #[derive(Default)]
 pub(super) struct Column {
-    text: String,
+    pub text: String,
     /// Where each cell ends in `text`.
     pub ends: Vec<usize>,
 }
 
 impl Column {
+    /// Fills up with empty cells until there are so many.
+    pub fn fill(&mut self, cells: usize) {
+        self.ends.resize(cells, self.text.len());
+    }
+
     pub fn cell(&self, row: usize) -> &str {
         let start = row.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.text[start..self.ends[row]]
@@ -166,7 +218,7 @@ impl<'de> Visitor<'de> for SensorsVisitor {
     }
 }
 
-read_by!(Column => deserialize_seq(ColumnVisitor));
+read_by!(Column => deserialize_any(ColumnVisitor));
 
 struct ColumnVisitor;
 
@@ -187,10 +239,20 @@ impl<'de> Visitor<'de> for ColumnVisitor {
         }
         Ok(column)
     }
+
+    /// As pandas writes it: each cell under its index.
+    fn visit_map<A: MapAccess<'de>>(self, mut cells: A) -> Result<Column, A::Error> {
+        let mut column = Column::default();
+        while cells.next_key::<IgnoredAny>()?.is_some() {
+            cells.next_value_seed(CellSeed(&mut column.text))?;
+            column.ends.push(column.text.len());
+        }
+        Ok(column)
+    }
 }
 
 /// Appends one cell to the text of its column.
-struct CellSeed<'a>(&'a mut String);
+pub(super) struct CellSeed<'a>(pub &'a mut String);
 
 own_seed!(CellSeed<'_> => ());
 
@@ -203,6 +265,10 @@ impl Visitor<'_> for CellSeed<'_> {
 
     fn visit_unit<E: Error>(self) -> Result<(), E> {
         Ok(())
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<(), E> {
+        write!(self.0, "{value}").map_err(E::custom)
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<(), E> {

@@ -86,16 +86,12 @@ impl FieldNames {
         }
     }
 
-    /// The fault of an array of such records.
+    /// The fault of an array of such records where scans are wanted.
     pub fn records_fault(&self) -> Fault {
         let detail = format!(
-            "the file is an array of records ({}); JSON is read column by column",
+            "the file is an array of records ({}), not of scans",
             self.0.join(", ")
         );
-        Fault::new("/file", "unsupported", detail).allowing(READABLE)
+        Fault::new("/file", "unsupported", detail).allowing("the format json")
     }
 }
-
-/// What JSON is read, for faults.
-pub(super) const READABLE: &str = "an object of columns, such as {\"columns\": {\"time_s\": [0, 1], \"truth_id\": [\"A\", \"A\"], \"x_m\": [5, 6], \
-     \"y_m\": [7, 8]}}; or the same table as CSV";

@@ -8,7 +8,7 @@ use super::{ReadOptions, ReadOutcome, Reading, Reason};
 use crate::geodesy::is_on_earth;
 use crate::model::fault::Fault;
 use crate::model::time::TimeBase;
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 const KNOT_MPS: f64 = 1852.0 / 3600.0;
 const FOOT_M: f64 = 0.3048;
@@ -42,6 +42,8 @@ pub(super) struct Layout {
     attributes: &'static [(&'static str, Attribute)],
     manner: Manner,
     sensor: &'static str,
+    /// Whether rows repeat the last position of an object until a new one comes.
+    repeats: bool,
 }
 
 const GPS_LOG: Layout = Layout {
@@ -63,6 +65,7 @@ const GPS_LOG: Layout = Layout {
     attributes: &[],
     manner: AIRCRAFT,
     sensor: "gps",
+    repeats: false,
 };
 
 const TRAFFIC: Layout = Layout {
@@ -91,6 +94,7 @@ const OPENSKY: Layout = Layout {
     heights: &[("baroaltitude", 1.0), ("geoaltitude", 1.0)],
     speed: Some(("velocity", 1.0)),
     course: Some("heading"),
+    repeats: true,
     ..TRAFFIC
 };
 
@@ -211,8 +215,8 @@ pub(super) fn read(
     let mut reader = Reader {
         feed: Feed::of(rows.row_word()),
         clock: Clock::new(&reading, 1.0),
-        latest: HashMap::new(),
         sensor: 0,
+        seen: layout.repeats.then(HashSet::new),
     };
     reader.sensor = reader.feed.sensors.number(layout.sensor);
     reader.feed.warnings.push(format!(
@@ -238,9 +242,9 @@ pub(super) fn read(
 struct Reader {
     feed: Feed,
     clock: Clock,
-    /// The latest time of each identity: tables of states repeat the last position until a new one comes.
-    latest: HashMap<u32, f64>,
     sensor: u32,
+    /// Objects and times so far, where rows repeat them.
+    seen: Option<HashSet<(u32, u64)>>,
 }
 
 /// A cell, empty where it says that there is nothing.
@@ -308,6 +312,11 @@ impl Reader {
         }
         let time_s = self.clock.read_unix(time).map_err(|_| Reason::Malformed)?;
         let identity = self.feed.identities.number(identity);
+        let seen = self.seen.as_mut();
+        if seen.is_some_and(|seen| !seen.insert((identity, time_s.to_bits()))) {
+            self.feed.ignore("stale", 1);
+            return Ok(None);
+        }
         let scaled = |(column, scale): (usize, f64)| {
             number(rows, column).map(|value| value.map(|value| value * scale))
         };

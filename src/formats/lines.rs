@@ -19,6 +19,15 @@ pub fn too_long(line: u64) -> Fault {
     }
 }
 
+/// The fault of a file that cannot be read further.
+pub fn unreadable(error: &io::Error) -> Fault {
+    Fault::new(
+        "/file",
+        "malformed",
+        format!("the file cannot be read: {error}"),
+    )
+}
+
 /// Passes its input on, and fails with [`ErrorKind::FileTooLarge`] at a line that is too long.
 pub struct BoundedLines<'a> {
     input: &'a mut dyn BufRead,

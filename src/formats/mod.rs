@@ -6,10 +6,12 @@ mod autoferry_sensors;
 mod bearing_time;
 mod clock;
 pub mod csv;
+mod dialect;
 mod disorder;
 pub mod feed;
 pub mod json;
 mod json_document;
+mod json_records;
 mod json_text;
 mod layouts;
 mod lines;
@@ -17,14 +19,17 @@ mod loose;
 pub mod mot;
 pub mod npy;
 mod options;
+mod packed;
 mod reading;
 mod table;
+mod told;
 
 pub use self::csv::write_csv;
 pub use json::write_json;
 pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};
 pub use reading::{Identity, Reading, SensorSite};
+pub use told::detect_format;
 
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
@@ -86,6 +91,49 @@ pub const MAX_COLUMNS: usize = 4096;
 /// Bytes of the names of a table's columns together: faults and warnings repeat them.
 pub const MAX_HEADER_BYTES: usize = 1 << 16;
 
+/// Reads a file that may be packed, in the format that is named, else in the one that its first bytes tell.
+///
+/// # Errors
+/// No format fits, or the file does not; a kind that the format cannot hold.
+pub fn read_file(
+    file_name: &str,
+    input: &mut dyn BufRead,
+    format: Option<&'static Format>,
+    options: &ReadOptions,
+) -> Result<(ReadOutcome, &'static Format), Vec<Fault>> {
+    let mut opened = packed::open(input, &options.options)?;
+    let format = match format {
+        Some(format) => format,
+        None => {
+            let head = opened
+                .fill_buf()
+                .map_err(|error| vec![lines::unreadable(&error)])?;
+            let name = file_name.trim_end_matches(".gz").trim_end_matches(".zst");
+            detect_format(name, head).ok_or_else(|| vec![untold_format()])?
+        }
+    };
+    check_kind(format, options)?;
+    Ok(((format.read)(&mut *opened, options)?, format))
+}
+
+fn untold_format() -> Fault {
+    let known: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+    let detail = "the format could not be told from the file; say which it is";
+    Fault::new("/meta/format", "unknown_value", detail).allowing(known.join(", "))
+}
+
+fn check_kind(format: &Format, options: &ReadOptions) -> Result<(), Vec<Fault>> {
+    let Some(kind) = options.kind.filter(|kind| !format.kinds.contains(kind)) else {
+        return Ok(());
+    };
+    let (name, kind) = (format.name, kind.name());
+    let detail = format!("files in the format '{name}' cannot hold {kind}");
+    let allowed: Vec<&str> = format.kinds.iter().map(|kind| kind.name()).collect();
+    Err(vec![
+        Fault::new("/meta/kind", "unsupported", detail).allowing(allowed.join(", ")),
+    ])
+}
+
 /// Every format that trackloom reads.
 pub const FORMATS: &[Format] = &[
     csv::FORMAT,
@@ -98,28 +146,6 @@ pub const FORMATS: &[Format] = &[
 /// The format of that name.
 pub fn format_named(name: &str) -> Option<&'static Format> {
     FORMATS.iter().find(|format| format.name == name)
-}
-
-/// The format of a file by its first bytes, or by its name where they say nothing: JSON starts with `{` or `[`, and is of
-/// autoferry where it is an array of arrays or names what those files have; MOTChallenge text starts with a number, NumPy
-/// arrays with their magic; any other text is CSV. `None` for other bytes that are no text.
-pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static Format> {
-    if first_bytes.starts_with(npy::MAGIC) {
-        return format_named("npy");
-    }
-    let text = first_bytes
-        .strip_prefix(b"\xef\xbb\xbf")
-        .unwrap_or(first_bytes)
-        .trim_ascii_start();
-    match text.first() {
-        Some(b'{') => format_named("json"),
-        Some(b'[') if autoferry::is_one(text) => format_named("autoferry"),
-        Some(b'[') => format_named("json"),
-        Some(_) if text.contains(&0) => None,
-        Some(b'0'..=b'9' | b'-') => format_named("mot"),
-        None if file_name.to_ascii_lowercase().ends_with(".json") => format_named("json"),
-        _ => format_named("csv"),
-    }
 }
 
 /// Kinds of datasets that are tables of named columns.

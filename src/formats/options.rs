@@ -45,6 +45,13 @@ impl FormatOptions {
         T::deserialize(Value::Object(fields.collect()))
     }
 
+    /// Adds what a file says of itself, where nothing else was told.
+    pub fn add<T: Serialize>(&mut self, name: &str, value: &Option<T>) {
+        if let Some(Ok(value)) = value.as_ref().map(serde_json::to_value) {
+            self.0.entry(name.to_owned()).or_insert(value);
+        }
+    }
+
     pub fn iter(&self) -> impl Iterator<Item = (&String, &Value)> {
         self.0.iter()
     }

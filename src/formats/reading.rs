@@ -49,6 +49,11 @@ pub const READING: &[Field] = &[
         SHORT_TEXT,
     ),
     optional(
+        "encoding",
+        "How a text is encoded, such as windows-1252; UTF-8, or UTF-16 with a byte order mark, when absent.",
+        SHORT_TEXT,
+    ),
+    optional(
         "utc_offset_s",
         "How far the clock of times without a zone is ahead of UTC.",
         number(-86_400.0, 86_400.0, "s"),
@@ -61,7 +66,7 @@ pub const READING: &[Field] = &[
     optional(
         "time_base",
         "What numbers are seconds from: `utc` of 1970-01-01 00:00 UTC; `relative` when absent.",
-        Kind::Choice(&["utc", "relative"]),
+        Kind::Choice(&["utc", "assumed_date", "relative"]),
     ),
     optional(
         "date",

@@ -69,6 +69,11 @@ pub struct ScenarioSensor {
     pub sensor_id: String,
     pub x_m: f64,
     pub y_m: f64,
+    /// In place of `x_m` and `y_m` where the targets are recorded and have an origin on the Earth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lat_deg: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lon_deg: Option<f64>,
     /// Needed wherever targets have places.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_range_m: Option<f64>,
@@ -174,6 +179,8 @@ pub enum TargetPlan {
     Bearings(BearingTargets),
     /// Targets in rows and columns that fly one random course.
     Formation(FormationTargets),
+    /// The targets of the job's truth, as they were recorded.
+    Recorded(RecordedTargets),
 }
 
 impl TargetPlan {
@@ -190,6 +197,8 @@ impl TargetPlan {
             TargetPlan::Listed { targets } => targets.len(),
             TargetPlan::Bearings(plan) => 2 * plan.crossings.len() + plan.lines.len(),
             TargetPlan::Formation(plan) => plan.rows as usize * plan.columns as usize,
+            // How many there are, the recording says.
+            TargetPlan::Recorded(_) => 0,
         }
     }
 }
@@ -201,6 +210,16 @@ pub struct RandomTargets {
     pub area_side_m: f64,
     pub speed_min_mps: f64,
     pub speed_max_mps: f64,
+}
+
+/// Recorded targets move on a spline through their points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RecordedTargets {
+    /// Time of the first scan; the first time of the truth when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start_s: Option<f64>,
+    /// A target is nowhere between points farther apart in time.
+    pub max_gap_s: f64,
 }
 
 /// A target with constant velocity from time 0.

@@ -236,6 +236,6 @@ mod tests {
 
     #[test]
     fn a_point_in_the_plane_is_small() {
-        assert!(size_of::<TrackPoint>() <= 192);
+        assert!(size_of::<TrackPoint>() <= 208);
     }
 }

@@ -5,7 +5,9 @@ mod coverage;
 mod echoes;
 mod local_tracks;
 mod radar;
+mod recorded;
 mod sensors;
+mod spline;
 mod targets;
 mod weaving;
 
@@ -27,6 +29,8 @@ pub struct Simulated {
     pub recording: Recording,
     /// Targets that were inside a sensor's field of view at one scan at least, from their first such scan to their last.
     pub truth: TruthSet,
+    /// Of recorded targets: how far their splines may be off.
+    pub warnings: Vec<String>,
 }
 
 /// What no table of fields can see: two sensors or two targets of one name, speeds in the wrong order, a plan of bearings
@@ -66,6 +70,7 @@ pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
         }
         TargetPlan::Bearings(plan) => faults.extend(bearing_faults(plan)),
         TargetPlan::Formation(_) => {}
+        TargetPlan::Recorded(_) => faults.extend(recorded::fault(scenario)),
     }
     faults.extend(coverage::fault(scenario));
     faults.extend(
@@ -84,16 +89,34 @@ pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
 /// Simulates `scenario`; `progress(done)` is told after each scan and may stop the work (then the result is `None`).
 ///
 /// # Errors
-/// Those of [`check`].
+/// Those of [`check`]; recorded targets, which need a truth.
 pub fn simulate(
     scenario: &Scenario,
     seed: Seed,
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Simulated>, Vec<Fault>> {
+    simulate_recorded(scenario, None, seed, progress)
+}
+
+/// The same; the targets may be those of a recorded truth.
+///
+/// # Errors
+/// Those of [`check`]; recorded targets without a truth.
+pub fn simulate_recorded(
+    scenario: &Scenario,
+    recorded: Option<&TruthSet>,
+    seed: Seed,
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Simulated>, Vec<Fault>> {
     check(scenario)?;
-    let paths = targets::paths(scenario, seed);
+    let (scenario, played) = &recorded::placed(scenario, recorded)?;
+    let paths = match played {
+        Some(played) => played.paths.clone(),
+        None => targets::paths(scenario, seed),
+    };
+    let start_s = played.as_ref().map_or(0.0, |played| played.start_s);
     let times: Vec<f64> = (0..scenario.scans)
-        .map(|scan| f64::from(scan) * scenario.scan_period_s)
+        .map(|scan| start_s + f64::from(scan) * scenario.scan_period_s)
         .collect();
     let coverage = coverage::Coverage::new(scenario, seed);
     let (truth, seen) = observed_truth(scenario, &paths, &coverage, &times)?;
@@ -133,10 +156,15 @@ pub fn simulate(
             return Ok(None);
         }
     }
-    Ok(Some(Simulated {
+    let mut simulated = Simulated {
         recording: Recording::new(parts)?,
         truth,
-    }))
+        warnings: Vec::new(),
+    };
+    if let (Some(played), Some(source)) = (played, recorded) {
+        played.describe(source, &mut simulated)?;
+    }
+    Ok(Some(simulated))
 }
 
 fn bearing_faults(plan: &BearingTargets) -> Vec<Fault> {
@@ -189,6 +217,9 @@ fn observed_truth(
     let mut seen = Vec::with_capacity(paths.len());
     for (index, path) in paths.iter().enumerate() {
         let is_visible = |time_s: &f64| {
+            if !path.exists_at(*time_s) {
+                return false;
+            }
             let point = path.point_at(*time_s);
             let mut sensors = scenario.sensors.iter().enumerate();
             sensors.any(|(sensor_index, sensor)| {
@@ -200,7 +231,15 @@ fn observed_truth(
         let last = times.iter().rposition(is_visible);
         seen.push(first.map(|_| observed.len() as u32));
         if let (Some(first), Some(last)) = (first, last) {
-            observed.push(path.truth_at(&times[first..=last]));
+            let between = &times[first..=last];
+            let is_recorded = matches!(scenario.targets, TargetPlan::Recorded(_));
+            // A recorded target may leave the sight of all sensors and come back.
+            observed.push(if is_recorded {
+                let seen: Vec<f64> = between.iter().copied().filter(is_visible).collect();
+                path.truth_at(&seen)
+            } else {
+                path.truth_at(between)
+            });
         }
     }
     Ok((TruthSet::new(scenario.targets.space(), observed)?, seen))

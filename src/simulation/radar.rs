@@ -51,6 +51,9 @@ pub(super) fn scan(
     let mut bearings_rad = Vec::new();
     let echoes = Echoes::of(radar.sensor);
     for (index, path) in paths.iter().enumerate() {
+        if !path.exists_at(time_s) {
+            continue;
+        }
         let point = path.point_at(time_s);
         if radar.coverage.includes(radar.index, index)
             && is_in_view(radar.sensor, radar.space, &point)

@@ -1,6 +1,7 @@
 //! The paths of a scenario's targets: in the plane with constant velocity from time 0, listed, drawn at random or in formation,
 //! where they may weave; or bearings that follow a law.
 
+use super::spline::Spline;
 use super::weaving::Weave;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::scenario::{
@@ -37,6 +38,7 @@ enum Law {
         bearing_deg: f64,
         rate_degps: f64,
     },
+    Recorded(Box<Spline>),
 }
 
 impl Path {
@@ -56,6 +58,23 @@ impl Path {
                 bearing_deg,
                 rate_degps,
             } => at_bearing(time_s, bearing_deg + rate_degps * time_s),
+            Law::Recorded(ref spline) => spline.point_at(time_s),
+        }
+    }
+
+    /// A target that was recorded.
+    pub fn recorded(truth_id: String, spline: Spline) -> Self {
+        Path {
+            truth_id,
+            law: Law::Recorded(Box::new(spline)),
+        }
+    }
+
+    /// Whether there is a target at a time: only one that was recorded comes and goes.
+    pub fn exists_at(&self, time_s: f64) -> bool {
+        match &self.law {
+            Law::Recorded(spline) => spline.exists_at(time_s),
+            _ => true,
         }
     }
 
@@ -72,10 +91,11 @@ impl Path {
 
     /// 0 where only the direction is known.
     pub fn speed_mps(&self) -> f64 {
-        match self.law {
+        match &self.law {
             Law::Straight { velocity_mps, .. } => velocity_mps.norm(),
             Law::Weaving { course_mps, .. } => course_mps.norm(),
             Law::Crossing(_) | Law::Turning { .. } => 0.0,
+            Law::Recorded(spline) => spline.fastest_mps(),
         }
     }
 }
@@ -112,6 +132,8 @@ pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
         TargetPlan::Listed { targets } => targets.iter().map(listed_path).collect(),
         TargetPlan::Bearings(plan) => bearing_paths(plan),
         TargetPlan::Formation(plan) => formation(plan, seed),
+        // Those come from the recording.
+        TargetPlan::Recorded(_) => Vec::new(),
     }
 }
 

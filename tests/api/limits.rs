@@ -232,9 +232,8 @@ async fn compressed_bodies_are_called_that() {
     let upload =
         |bytes: &[u8]| Form::new().part("file", Part::bytes(bytes.to_vec()).file_name("a.csv.gz"));
     for (bytes, name) in [
-        (&gzip[..], "gzip"),
-        (b"PK\x03\x04rest", "zip"),
-        (b"\x28\xb5\x2f\xfdrest", "zstd"),
+        (&b"PK\x03\x04rest"[..], "zip"),
+        (b"\xfd7zXZ\x00rest", "xz"),
         (b"BZh91AY", "bzip2"),
     ] {
         let answer = api.upload_form(upload(bytes)).await;

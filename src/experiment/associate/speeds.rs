@@ -140,7 +140,7 @@ fn speeds_of_scenario(scenario: &Scenario) -> Option<Speeds> {
             )
         }
         TargetPlan::Formation(plan) => (plan.speed_mps.powi(2), plan.speed_mps),
-        TargetPlan::Bearings(_) => return None,
+        TargetPlan::Bearings(_) | TargetPlan::Recorded(_) => return None,
     };
     let sigma_mps = (mean_square / 2.0)
         .sqrt()

@@ -2,6 +2,7 @@
 
 mod detect;
 pub mod extent;
+mod frames;
 pub mod known;
 pub mod sensors;
 #[cfg(test)]
@@ -17,7 +18,7 @@ use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
-use crate::model::scenario::Scenario;
+use crate::model::scenario::{Scenario, TargetPlan};
 use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
@@ -92,6 +93,7 @@ impl JobData {
                 }
             }
         }
+        frames::unite(&mut data)?;
         Ok(data)
     }
 
@@ -154,11 +156,17 @@ impl JobData {
             simulated.truth
         } else {
             let simulated =
-                simulation::simulate(scenario, seed, &mut progress)?.ok_or(RunError::Stopped)?;
+                simulation::simulate_recorded(scenario, self.truth.as_ref(), seed, &mut progress)?
+                    .ok_or(RunError::Stopped)?;
             self.recording = Some(simulated.recording);
+            self.warnings.extend(simulated.warnings);
             simulated.truth
         };
-        self.truth.get_or_insert(truth);
+        if matches!(scenario.targets, TargetPlan::Recorded(_)) {
+            self.truth = Some(truth);
+        } else {
+            self.truth.get_or_insert(truth);
+        }
         Ok(())
     }
 

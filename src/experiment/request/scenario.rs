@@ -16,6 +16,12 @@ static SCENARIO_SENSOR: Object = Object {
         default("x_m", "Position, east.", PLACE, "0.0"),
         default("y_m", "Position, north.", PLACE, "0.0"),
         optional(
+            "lat_deg",
+            "Latitude, in place of x_m and y_m where recorded targets have an origin on the Earth; with lon_deg.",
+            number(-90.0, 90.0, "deg"),
+        ),
+        optional("lon_deg", "Longitude.", number(-180.0, 180.0, "deg")),
+        optional(
             "max_range_m",
             "Radius of the field of view; required unless the targets are of the kind bearings, which are always in view.",
             RANGE,
@@ -237,6 +243,24 @@ static FORMATION_TARGETS: Object = Object {
     ],
 };
 
+static RECORDED_TARGETS: Object = Object {
+    name: "RecordedTargets",
+    summary: "The targets of the truth that the job names in `truth`, on splines through their points; the truth is then what the sensors could see of them.",
+    fields: &[
+        optional(
+            "start_s",
+            "Time of the first scan; the first time of the truth when absent.",
+            number(-1e12, 1e12, "s"),
+        ),
+        default(
+            "max_gap_s",
+            "A target is nowhere between points farther apart in time.",
+            above(0.0, 1e9, "s"),
+            "60.0",
+        ),
+    ],
+};
+
 static TARGET_PLAN: Union = Union {
     name: "TargetPlan",
     summary: "How the targets of a scenario are chosen.",
@@ -247,6 +271,7 @@ static TARGET_PLAN: Union = Union {
             variant("listed", &LISTED_TARGETS),
             variant("formation", &FORMATION_TARGETS),
             variant("bearings", &BEARING_TARGETS),
+            variant("recorded", &RECORDED_TARGETS),
         ]
     },
 };

@@ -4,6 +4,7 @@ use super::{Attribute, Feed, Manner, Report, Spot};
 use crate::formats::disorder::Disorder;
 use crate::formats::{Reading, Reason};
 use crate::geodesy::{SEMI_MAJOR_M, wrap_longitude_deg};
+use std::collections::BTreeMap;
 
 /// So many reports that agree with each other begin a new path, however far from the one before.
 const AGREEING: usize = 5;
@@ -61,12 +62,14 @@ impl Report {
     }
 }
 
-/// Says how far back in time the largest step in the order of the file goes.
+/// Says how far back in time the largest step of an identity goes, in the order of the file.
 fn tell_disorder(feed: &mut Feed, order: &[usize]) {
-    let (mut disorder, mut latest_s) = (Disorder::default(), f64::NEG_INFINITY);
+    let mut disorder = Disorder::default();
+    let mut latest_s: BTreeMap<Option<u32>, f64> = BTreeMap::new();
     for &index in order {
         let report = &feed.reports[index];
-        disorder.note(&mut latest_s, report.time_s, report.unit);
+        let latest_s = latest_s.entry(report.identity).or_insert(f64::NEG_INFINITY);
+        disorder.note(latest_s, report.time_s, report.unit);
     }
     feed.warnings.extend(disorder.warning(&feed.units.called));
 }

@@ -216,6 +216,10 @@ impl Builder {
                 return None;
             }
         }
+        let mut earth = [0.0; 2];
+        if reader.fill(columns.earth.as_ref().map(<[_; 2]>::as_slice), &mut earth) {
+            self.ground.add_both(place.into(), earth[1], earth[0]);
+        }
         Some(place)
     }
 }

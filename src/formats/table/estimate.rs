@@ -3,6 +3,7 @@
 
 use super::Sink;
 use super::degrees::{degrees, radians_of_square_degrees, square_degrees};
+use super::ground::Ground;
 use super::header::{
     BEARING_COVARIANCE, COVARIANCE, Header, VELOCITY, VOLUME_COVARIANCE, VOLUME_VELOCITY,
 };
@@ -55,6 +56,8 @@ pub struct EstimateColumns {
     motion: Option<[usize; 2]>,
     covariance: Option<Vec<usize>>,
     height: Option<usize>,
+    /// Longitude and latitude beside places in the plane.
+    earth: Option<[usize; 2]>,
 }
 
 impl EstimateColumns {
@@ -82,6 +85,7 @@ impl EstimateColumns {
             motion: motion.map(|(speed, course)| [speed, course]),
             covariance: header.all(names.covariance),
             height: header.find("height_m"),
+            earth: header.beside_plane(),
         }
     }
 
@@ -98,6 +102,18 @@ impl EstimateColumns {
     /// Whether places are longitudes and latitudes, until the plane is known.
     pub fn is_geographic(&self) -> bool {
         self.is_geographic
+    }
+
+    /// Notes where the row's place is on the Earth, as far as it says it.
+    pub fn note_earth(&self, position: &Place, reader: &mut RowReader, ground: &mut Ground) {
+        if self.is_geographic {
+            ground.add(position.y, position.x);
+            return;
+        }
+        let mut earth = [0.0; 2];
+        if reader.fill(self.earth.as_ref().map(<[_; 2]>::as_slice), &mut earth) {
+            ground.add_both(position.xy(), earth[1], earth[0]);
+        }
     }
 
     /// How high the target was, where the row says it.

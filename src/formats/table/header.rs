@@ -249,6 +249,13 @@ impl Header {
         self.find("x_m").is_none() && self.find("lat_deg").is_some()
     }
 
+    /// Longitude and latitude beside places in the plane.
+    pub fn beside_plane(&self) -> Option<[usize; 2]> {
+        let earth = self.find("lon_deg").zip(self.find("lat_deg"));
+        let is_plane = self.find("x_m").is_some() && self.find("z_m").is_none();
+        earth.filter(|_| is_plane).map(|(lon, lat)| [lon, lat])
+    }
+
     /// The places of all these columns, if none is missing.
     pub fn all(&self, names: &[&str]) -> Option<Vec<usize>> {
         names.iter().map(|name| self.find(name)).collect()

@@ -123,10 +123,9 @@ impl Builder {
         let sensor = reader.optional_text(columns.sensor);
         let sensor = (!sensor.is_empty()).then(|| self.sensors.number(sensor));
         let Some(point) = point else { return };
-        if columns.estimate.is_geographic() {
-            self.ground
-                .add(point.estimate.position.y, point.estimate.position.x);
-        }
+        columns
+            .estimate
+            .note_earth(&point.estimate.position, reader, &mut self.ground);
         reader.note_attributes(columns.track, &columns.attributes, &mut self.attributes);
         let point = self.place(reader, columns, track, TrackPoint { sensor, ..point });
         let detection = reader.optional_text(columns.detection);

@@ -79,9 +79,9 @@ impl Builder {
         let (Some(time_s), Some(estimate), true) = (time_s, estimate, reader.is_sound()) else {
             return;
         };
-        if columns.estimate.is_geographic() {
-            self.ground.add(estimate.position.y, estimate.position.x);
-        }
+        columns
+            .estimate
+            .note_earth(&estimate.position, reader, &mut self.ground);
         let index = self.names.number(reader.text(columns.truth)) as usize;
         if self.paths.len() <= index {
             self.paths.resize_with(index + 1, Path::empty);

@@ -1,7 +1,7 @@
 //! A file that holds a dataset, with what has to be known to read it.
 
 use crate::experiment::{Input, InputRequest};
-use crate::formats::{FormatOptions, ReadOptions, format_named};
+use crate::formats::{FormatOptions, ReadOptions, format_named, read_file};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
@@ -51,8 +51,10 @@ impl InputFile {
             columns: content.columns.clone(),
             options: content.options.clone(),
         };
-        let read = (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options);
-        Ok(read.map_err(faults_or_memory)?.dataset)
+        let mut input = BufReader::with_capacity(1 << 16, file);
+        let (read, _) =
+            read_file("", &mut input, Some(format), &options).map_err(faults_or_memory)?;
+        Ok(read.dataset)
     }
 
     /// Reads what the request asks for: the file, or the named sensors' part of it. Blocks.

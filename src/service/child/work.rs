@@ -5,7 +5,7 @@ use super::input::{InputFile, faults_or_memory, open};
 use super::protocol::{Checked, Made, MadeFile, Order, Upload};
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::{self, Artifact, Inputs, JobKind, Plan};
-use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, format_named};
+use crate::formats::{FORMATS, ReadOptions, format_named, read_file};
 use crate::model::dataset::DatasetSummary;
 use crate::model::fault::Fault;
 use crate::service::child::Failure;
@@ -17,13 +17,9 @@ use crate::service::views::preview;
 use anyhow::Context;
 use serde_json::Value;
 use serde_json::value::to_raw_value;
-use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use uuid::Uuid;
-
-/// Bytes that are looked at to tell a format.
-const FIRST_BYTES: u64 = 4096;
 
 /// Does what is ordered.
 pub(super) fn work(
@@ -72,67 +68,31 @@ pub(super) fn internal(error: serde_json::Error) -> Failure {
 
 /// Tells the format and reads the file with it.
 fn check(upload: &Upload) -> Result<Made, Failure> {
-    let mut file = open(&upload.path)?;
+    let file = open(&upload.path)?;
     let format = match &upload.format {
-        Some(name) => {
-            format_named(name).ok_or_else(|| unknown_format(format!("there is no format '{name}'")))
-        }
-        None => {
-            let mut first_bytes = Vec::new();
-            (&file)
-                .take(FIRST_BYTES)
-                .read_to_end(&mut first_bytes)
-                .context("cannot read an upload")?;
-            file.rewind().context("cannot read an upload")?;
-            detect_format(
-                upload.file_name.as_deref().unwrap_or_default(),
-                &first_bytes,
-            )
-            .ok_or_else(|| {
-                unknown_format(
-                    "the format could not be told from the file; say which it is".to_owned(),
-                )
-            })
-        }
-    }?;
-    let ReadOutcome {
-        dataset,
-        warnings,
-        units,
-    } = check_as(format, upload, file)?;
-    Ok(Made::Checked(Checked {
-        format: format.name.to_owned(),
-        summary: DatasetSummary {
-            units: Some(units),
-            ..dataset.summary()
-        },
-        warnings,
-    }))
-}
-
-fn check_as(format: &Format, upload: &Upload, file: File) -> Result<ReadOutcome, Failure> {
-    if let Some(kind) = upload.kind.filter(|kind| !format.kinds.contains(kind)) {
-        let detail = format!(
-            "files in the format '{}' cannot hold {}",
-            format.name,
-            kind.name()
-        );
-        let allowed = format
-            .kinds
-            .iter()
-            .map(|kind| kind.name())
-            .collect::<Vec<_>>()
-            .join(", ");
-        return Err(Failure::Faults(vec![
-            Fault::new("/meta/kind", "unsupported", detail).allowing(allowed),
-        ]));
-    }
+        Some(name) => Some(
+            format_named(name)
+                .ok_or_else(|| unknown_format(format!("there is no format '{name}'")))?,
+        ),
+        None => None,
+    };
     let options = ReadOptions {
         kind: upload.kind,
         columns: upload.columns.clone(),
         options: upload.options.clone(),
     };
-    (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options).map_err(faults_or_memory)
+    let file_name = upload.file_name.as_deref().unwrap_or_default();
+    let mut input = BufReader::with_capacity(1 << 16, file);
+    let (read, format) =
+        read_file(file_name, &mut input, format, &options).map_err(faults_or_memory)?;
+    Ok(Made::Checked(Checked {
+        format: format.name.to_owned(),
+        summary: DatasetSummary {
+            units: Some(read.units),
+            ..read.dataset.summary()
+        },
+        warnings: read.warnings,
+    }))
 }
 
 fn unknown_format(detail: String) -> Failure {

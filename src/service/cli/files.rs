@@ -220,27 +220,15 @@ impl JobFile {
             )]
         })?;
         let format = match &file.format {
-            Some(name) => formats::format_named(name),
-            None => formats::detect_format(&file.path, &bytes),
+            Some(name) => Some(formats::format_named(name).ok_or_else(|| unknown_format(name))?),
+            None => None,
         };
-        let known = || {
-            formats::FORMATS
-                .iter()
-                .map(|format| format.name)
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        let format = format.ok_or_else(|| {
-            vec![
-                Fault::new("/format", "unknown_value", "the format is not known").allowing(known()),
-            ]
-        })?;
         let options = ReadOptions {
             kind: Some(role),
             columns: file.columns.clone(),
             options: file.options.clone(),
         };
-        let read = (format.read)(&mut bytes.as_slice(), &options)?;
+        let (read, _) = formats::read_file(&file.path, &mut bytes.as_slice(), format, &options)?;
         warnings.extend(
             read.warnings
                 .into_iter()
@@ -257,6 +245,12 @@ impl JobFile {
             sha256,
         })
     }
+}
+
+fn unknown_format(name: &str) -> Vec<Fault> {
+    let known: Vec<&str> = formats::FORMATS.iter().map(|format| format.name).collect();
+    let detail = format!("there is no format '{name}'");
+    vec![Fault::new("/format", "unknown_value", detail).allowing(known.join(", "))]
 }
 
 fn only(dataset: Dataset, wanted: &[String]) -> Result<Dataset, Vec<Fault>> {

@@ -298,7 +298,9 @@ fn file_name(name: &str) -> Result<Option<String>, ApiError> {
 }
 
 fn refuse_compressed(first_bytes: &[u8]) -> Result<(), ApiError> {
-    match compression_of(first_bytes) {
+    // Readers unpack these two.
+    let other = compression_of(first_bytes).filter(|name| !["gzip", "zstd"].contains(name));
+    match other {
         Some(name) => Err(compressed(&format!(
             "the file is compressed ({name}); upload it unpacked"
         ))),

@@ -53,7 +53,7 @@ impl NewDataset {
             sha256: artifact.sha256.clone(),
             meta_sha256: String::new(),
             columns: BTreeMap::new(),
-            options: FormatOptions::default(),
+            options: told_of(&summary),
             summary,
             sensors: artifact.sensors.clone(),
             warnings: Vec::new(),
@@ -61,6 +61,15 @@ impl NewDataset {
             file_name: Some(artifact.name.clone()),
         })
     }
+}
+
+/// What the CSV of a job does not say of itself.
+fn told_of(summary: &DatasetSummary) -> FormatOptions {
+    let mut options = FormatOptions::default();
+    options.add("origin", &summary.frame);
+    let base = Some(summary.time_base).filter(|base| base.is_utc());
+    options.add("time_base", &base);
+    options
 }
 
 /// A dataset with what is needed to read its file again.

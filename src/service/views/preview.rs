@@ -1,6 +1,7 @@
 //! The first rows of a dataset, in the canonical columns, as text.
 
 use crate::formats::write_csv;
+use crate::model::beside::Beside;
 use crate::model::dataset::Dataset;
 use crate::model::scan::{Recording, RecordingParts, Scan};
 use crate::model::track::{Track, TrackSet};
@@ -72,11 +73,16 @@ fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
         .take_while(|(first, _)| *first < count.max(1))
         .map(cut)
         .collect();
+    let mut beside = Beside::default();
+    beside.extend(&recording.beside, 0..count);
     let parts = RecordingParts {
         frame: recording.frame,
+        time_base: recording.time_base,
+        beside,
         sensors: recording.sensors.clone(),
         scans,
         detection_ids: recording.detection_ids[..count].to_vec(),
+        z_m: recording.z_of(0..count).to_vec(),
         targets: recording.targets.clone(),
         origins_known: recording.origins_known,
     };
@@ -98,7 +104,8 @@ fn head_of_truth(truth: &TruthSet, limit: usize) -> TruthSet {
         }
     }
     let mut head = TruthSet::new(truth.space(), head).expect("the head of sound truth is sound");
-    head.frame = truth.frame;
+    (head.frame, head.time_base) = (truth.frame, truth.time_base);
+    head.attributes = truth.attributes.clone();
     head
 }
 
@@ -123,6 +130,8 @@ fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
         candidates: set.candidates.clone(),
         detection_ids: set.detection_ids.clone(),
         sensor_ids: set.sensor_ids.clone(),
+        time_base: set.time_base,
+        attributes: set.attributes.clone(),
     }
 }
 

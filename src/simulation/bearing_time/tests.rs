@@ -124,6 +124,8 @@ fn all_faults_of_a_record_are_told() {
         &[(0.0, 0.0)],
     );
     wrong.sensors.push(ScenarioSensor {
+        lat_deg: None,
+        lon_deg: None,
         sensor_id: "other".into(),
         ..wrong.sensors[0].clone()
     });

@@ -4,7 +4,7 @@ use super::*;
 use trackloom_domain::model::scan::Measurement;
 
 const HEADER: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m\n";
-const KNOWN: &str = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg";
+const KNOWN: &str = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
 
 fn detections(rows: &str) -> Fault {
     fault("csv", format!("{HEADER}{rows}"))
@@ -50,13 +50,6 @@ fn each_missing_column_is_named() {
             .allowing(KNOWN),
             at(
                 1,
-                "sensor_id",
-                "missing",
-                "a file of detections needs a column 'sensor_id'"
-            )
-            .allowing(KNOWN),
-            at(
-                1,
                 "y_m",
                 "missing",
                 "column 'y_m' is missing: x_m, y_m come together"
@@ -71,7 +64,7 @@ fn each_missing_column_is_named() {
             1,
             "x_m",
             "missing",
-            "detections need measurements: x_m, y_m or range_m, bearing_deg or bearing_deg"
+            "detections need measurements: x_m, y_m or lat_deg, lon_deg or range_m, bearing_deg or bearing_deg"
         )
         .allowing(KNOWN)
     );
@@ -137,7 +130,7 @@ fn a_renaming_must_fit_the_file_and_the_format() {
     };
     let faults =
         read_with("csv", "t,id,x_m,y_m\n1,a,2,3\n", &options).expect_err("the renaming is broken");
-    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg";
+    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
     assert_eq!(
         faults,
         [
@@ -341,29 +334,19 @@ fn detections_out_of_order_are_named() {
         unsorted,
         at(
             4,
-            "time_s",
+            "scan",
             "unsorted",
-            "time 1.5 s comes after 2.5 s on line 3"
+            "sensor 'r': scan 3 at 1.5 s is before the end of scan 2 at 2.5 s; scan numbers rise with time (line 3)"
         )
     );
     let back = detections("0,2,r,a,1,2\n1,1,r,b,1,2\n");
     assert_eq!(
         back,
         at(
-            3,
+            2,
             "scan",
             "unsorted",
-            "sensor 'r': scan 1 comes after scan 2; scan numbers rise with time (line 2)"
-        )
-    );
-    let two_times = detections("0,1,r,a,1,2\n1,1,r,b,1,2\n");
-    assert_eq!(
-        two_times,
-        at(
-            3,
-            "time_s",
-            "conflict",
-            "sensor 'r': scan 1 is at 1 s here and at 0 s before (line 2)"
+            "sensor 'r': scan 2 at 0 s is before the end of scan 1 at 1 s; scan numbers rise with time (line 3)"
         )
     );
     let two_scans = detections("0,1,r,a,1,2\n0,2,r,b,1,2\n");
@@ -371,7 +354,7 @@ fn detections_out_of_order_are_named() {
         two_scans,
         at(
             3,
-            "time_s",
+            "scan",
             "conflict",
             "sensor 'r': scans 1 and 2 are both at 0 s (line 2)"
         )
@@ -399,7 +382,7 @@ fn truth_out_of_order_is_named() {
         "csv",
         format!("{header}0,A,1,2,,\n5,B,1,2,,\n0,A,1,3,,\n3,B,1,2,1,\n4,,1,2,,\n"),
     )
-    .expect_err("four faults");
+    .expect_err("three faults");
     assert_eq!(
         faults,
         [
@@ -410,12 +393,6 @@ fn truth_out_of_order_is_named() {
                 "target 'A' is at 0 s twice: also on line 2"
             ),
             at(5, "vy_mps", "missing", "'vy_mps' is empty"),
-            at(
-                5,
-                "time_s",
-                "unsorted",
-                "target 'B': time 3 s comes after 5 s on line 3"
-            ),
             at(6, "truth_id", "missing", "'truth_id' is empty"),
         ]
     );
@@ -425,7 +402,7 @@ fn truth_out_of_order_is_named() {
 fn tracks_that_contradict_themselves_are_named() {
     let header = "time_s,track_id,x_m,y_m,detection_id,probability,status\n";
     let rows = "0,T,1,2,a,0.5,tentative\n0,T,1,3,b,0.5,lost\n0,T,1,2,a,1.5,\n0,T,1,2,a,0.1,\n2,T,1,2,,1,\n1,T,1,2,,1,\n";
-    let faults = read("csv", format!("{header}{rows}")).expect_err("five faults");
+    let faults = read("csv", format!("{header}{rows}")).expect_err("four faults");
     assert_eq!(
         faults,
         [
@@ -443,12 +420,6 @@ fn tracks_that_contradict_themselves_are_named() {
                 "detection_id",
                 "duplicate",
                 "detection 'a' occurs twice for one track and time: also on line 2"
-            ),
-            at(
-                7,
-                "time_s",
-                "unsorted",
-                "track 'T': time 1 s comes after 2 s on line 6"
             ),
         ]
     );
@@ -497,4 +468,61 @@ fn reading_stops_after_the_most_faults() {
             "reading stopped after 100 faults; there may be more"
         )
     );
+}
+
+#[test]
+fn rows_out_of_order_are_sorted_and_told() {
+    let truth = read(
+        "csv",
+        "time_s,truth_id,x_m,y_m\n5,B,1,2\n3,B,3,4\n0,A,0,0\n",
+    )
+    .expect("sound");
+    assert_eq!(
+        truth.warnings,
+        [
+            "1 lines are older than one before them and are sorted; the largest step back is 2 s, at line 3"
+        ]
+    );
+    let times_s: Vec<f64> = super::truth(truth).targets()[1]
+        .points
+        .iter()
+        .map(|point| point.time_s)
+        .collect();
+    assert_eq!(times_s, [3.0, 5.0]);
+    let tracks = "time_s,track_id,x_m,y_m,detection_id,probability\n2,T,1,2,b,1\n1,T,1,2,a,0.25\n1,T,1,2,c,0.75\n";
+    let set = super::tracks(read("csv", tracks).expect("sound"));
+    let points = &set.tracks[0].points;
+    let named: Vec<Vec<&str>> = points
+        .iter()
+        .map(|point| {
+            let candidates = set.candidates_of(point).iter();
+            let named = candidates.filter_map(|candidate| candidate.detection);
+            named
+                .map(|detection| set.detection_ids[detection as usize].as_str())
+                .collect()
+        })
+        .collect();
+    assert_eq!(named, [vec!["a", "c"], vec!["b"]]);
+}
+
+#[test]
+fn a_rotating_sensor_has_a_time_for_each_detection() {
+    let header = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg\n";
+    let rows = "0.5,1,r,a,10,45\n3,1,r,b,10,270\n4.5,2,r,a,10,46\n";
+    let found = super::recording(read("csv", format!("{header}{rows}")).expect("sound"));
+    let times_s: Vec<f64> = found.scans.iter().map(|scan| scan.time_s).collect();
+    assert_eq!(times_s, [1.75, 4.5]);
+    assert_eq!(found.beside.times_s, [0.5, 3.0, 4.5]);
+    // Without numbers the turns are told by the bearings that fall.
+    let bare = "time_s,range_m,bearing_deg\n0.5,10,45\n1,10,100\n3,10,270\n4.5,10,46\n5,10,90\n";
+    let options = super::of_kind(DatasetKind::Detections);
+    let found = super::recording(read_with("csv", bare, &options).expect("sound"));
+    let counts: Vec<usize> = found
+        .scans
+        .iter()
+        .map(|scan| scan.detections.len())
+        .collect();
+    assert_eq!(counts, [3, 2]);
+    assert_eq!(found.detection_ids[3], "5");
+    assert_eq!(found.sensors[0].sensor_id, "sensor");
 }

@@ -3,9 +3,6 @@
 use super::*;
 use trackloom_domain::formats::{MAX_COLUMNS, write_csv};
 
-const OF_COLUMNS: &str = "an object of columns, such as {\"columns\": {\"time_s\": [0, 1], \"truth_id\": [\"A\", \"A\"], \"x_m\": [5, 6], \
-     \"y_m\": [7, 8]}}; or the same table as CSV";
-
 #[test]
 fn headers_that_no_table_has_are_refused() {
     let columns = |count: usize| {
@@ -81,11 +78,17 @@ fn lines_without_an_end_are_refused() {
 
 #[test]
 fn an_array_that_holds_no_table_is_refused_at_its_first_item() {
-    let array = Fault::new("/file", "wrong_type", "the file is an array").allowing(OF_COLUMNS);
     // What follows the first item is not even JSON: nobody reads it.
-    for text in ["[1,1,1,?", "[null, ?", "[[1], ?", "[\"a\", ?", "[]"] {
-        assert_eq!(fault("json", text), array, "{text}");
+    for text in ["[1,1,1,?", "[null, ?", "[[1], ?", "[\"a\", ?"] {
+        let found = fault("json", text);
+        assert_eq!(
+            (found.code.as_str(), found.line),
+            ("wrong_type", Some(1)),
+            "{text}"
+        );
+        assert!(found.detail.contains("expected a record"), "{found:?}");
     }
+    assert_eq!(fault("json", "[]").code, "missing");
     let expected = Fault::new(
         "/file/0",
         "wrong_type",
@@ -97,12 +100,11 @@ fn an_array_that_holds_no_table_is_refused_at_its_first_item() {
 #[test]
 fn records_are_told_from_scans() {
     let text = r#"[{"timestamp": 1533101250000, "icao24": "abc123", "latitude": 45.8, "longitude": 9.2}, ?"#;
-    let detail = "the file is an array of records (timestamp, icao24, latitude, longitude); JSON is read column by column";
-    let expected = Fault::new("/file", "unsupported", detail).allowing(OF_COLUMNS);
-    assert_eq!(
-        (fault("json", text), fault("autoferry", text)),
-        (expected.clone(), expected)
-    );
+    let detail =
+        "the file is an array of records (timestamp, icao24, latitude, longitude), not of scans";
+    let expected = Fault::new("/file", "unsupported", detail).allowing("the format json");
+    assert_eq!(fault("autoferry", text), expected);
+    assert_eq!(fault("json", text).code, "malformed");
     let timed = fault("autoferry", r#"[{"time": 1, "x_m": 2}]"#);
     assert!(timed.detail.contains("records (time, x_m)"), "{timed:?}");
     let scan = r#"[{"note": [[[1]]], "time": 1, "sensorID": 2, "ownshipPosition": [0, 0], "measurement": [3, 4]}]"#;

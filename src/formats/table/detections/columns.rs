@@ -11,6 +11,8 @@ pub(super) struct Columns {
     /// East and north, or longitude and latitude.
     pub place: Option<[usize; 2]>,
     pub is_geographic: bool,
+    /// Longitude and latitude beside places in the plane.
+    pub earth: Option<[usize; 2]>,
     pub range: Option<usize>,
     pub bearing: Option<usize>,
     pub range_rate: Option<usize>,
@@ -35,6 +37,7 @@ impl Columns {
             id: header.find("detection_id"),
             place: place.map(|(east, north)| [east, north]),
             is_geographic: plane.is_none() && earth.is_some(),
+            earth: header.beside_plane(),
             range: header.find("range_m"),
             bearing: header.find("bearing_deg"),
             range_rate: header.find("range_rate_mps"),

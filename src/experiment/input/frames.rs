@@ -1,0 +1,124 @@
+//! The data of a job in one plane: what was measured from another origin is measured from the first one's.
+
+use super::JobData;
+use crate::geodesy::Stereographic;
+use crate::model::fault::Fault;
+use crate::model::scan::{Measurement, Recording};
+use crate::model::space::{Frame, Place};
+use crate::model::track::TrackSet;
+use crate::model::truth::TruthSet;
+
+/// Puts truth, tracks and sets of tracks into the plane of the detections, else of the first of them.
+///
+/// # Errors
+/// Some have an origin on the Earth and others do not: nobody knows where those are.
+pub(super) fn unite(data: &mut JobData) -> Result<(), Vec<Fault>> {
+    let frames = frames_of(data);
+    let Some(frame) = frames.iter().find_map(|(_, frame)| *frame) else {
+        return Ok(());
+    };
+    let mut faults = Vec::new();
+    for (what, _) in frames.iter().filter(|(_, frame)| frame.is_none()) {
+        let detail = format!(
+            "the {what} have no origin on the Earth, but other data of this job have: `origin` says where they are measured from"
+        );
+        faults.push(Fault::new(format!("/{what}"), "conflict", detail));
+    }
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    if let Some(truth) = data.truth.as_mut() {
+        move_truth(truth, frame)?;
+    }
+    for tracks in data.tracks.iter_mut().chain(&mut data.sets) {
+        move_tracks(tracks, frame);
+    }
+    Ok(())
+}
+
+/// What the job has that lies in a plane, with its origin.
+fn frames_of(data: &JobData) -> Vec<(&'static str, Option<Frame>)> {
+    let mut frames = Vec::new();
+    let located = |recording: &&Recording| {
+        recording.frame.is_some()
+            || recording
+                .detections()
+                .any(|one| !matches!(one.measurement, Measurement::Bearing { .. }))
+    };
+    frames.extend(
+        data.recording
+            .as_ref()
+            .filter(located)
+            .map(|recording| ("input", recording.frame)),
+    );
+    let truth = data
+        .truth
+        .as_ref()
+        .filter(|truth| truth.space().has_places() && !truth.targets().is_empty());
+    frames.extend(truth.map(|truth| ("truth", truth.frame)));
+    let sets = data.tracks.iter().chain(&data.sets);
+    let sets = sets.filter(|set| set.space.has_places() && !set.tracks.is_empty());
+    frames.extend(sets.map(|set| ("tracks", set.frame)));
+    frames
+}
+
+/// From one plane to another.
+struct Move {
+    from: Stereographic,
+    to: Stereographic,
+}
+
+impl Move {
+    /// `None` where the two are the same.
+    fn between(from: Option<Frame>, to: Frame) -> Option<Move> {
+        let from = from.filter(|from| *from != to)?;
+        let about =
+            |frame: Frame| Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
+        Some(Move {
+            from: about(from),
+            to: about(to),
+        })
+    }
+
+    fn apply(&self, position: &mut Place, velocity: Option<&mut Place>) {
+        let (lat_deg, lon_deg) = self.from.unproject(&position.xy());
+        let moved_m = self.to.project(lat_deg, lon_deg);
+        (position.x, position.y) = (moved_m.x, moved_m.y);
+        if let Some(velocity) = velocity {
+            let turn_rad =
+                self.to.turn_rad(lat_deg, lon_deg) - self.from.turn_rad(lat_deg, lon_deg);
+            let (sin, cos) = turn_rad.sin_cos();
+            let (east, north) = (velocity.x, velocity.y);
+            (velocity.x, velocity.y) = (east * cos + north * sin, north * cos - east * sin);
+        }
+    }
+}
+
+fn move_truth(truth: &mut TruthSet, frame: Frame) -> Result<(), Vec<Fault>> {
+    let Some(way) = Move::between(truth.frame, frame) else {
+        return Ok(());
+    };
+    let mut targets = truth.targets().to_vec();
+    for point in targets.iter_mut().flat_map(|target| &mut target.points) {
+        way.apply(&mut point.position, point.velocity.as_mut());
+    }
+    let moved = TruthSet::new(truth.space(), targets)?;
+    let (time_base, attributes) = (truth.time_base, std::mem::take(&mut truth.attributes));
+    *truth = moved;
+    (truth.frame, truth.time_base, truth.attributes) = (Some(frame), time_base, attributes);
+    Ok(())
+}
+
+/// Covariances stay as they are: between neighbouring origins the axes turn by less than they are known.
+fn move_tracks(tracks: &mut TrackSet, frame: Frame) {
+    let Some(way) = Move::between(tracks.frame, frame) else {
+        return;
+    };
+    for point in tracks.tracks.iter_mut().flat_map(|track| &mut track.points) {
+        way.apply(
+            &mut point.estimate.position,
+            point.estimate.velocity.as_mut(),
+        );
+    }
+    tracks.frame = Some(frame);
+}

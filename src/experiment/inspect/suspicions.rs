@@ -1,0 +1,172 @@
+//! What about a dataset seems wrong, though it can be read: degrees or kilometres in columns of metres, times that are Unix
+//! seconds, jumps faster than sound, scans that are missing.
+
+use crate::model::dataset::Dataset;
+use crate::model::space::{Place, Space};
+use crate::model::time::TimeBase;
+
+/// In dry air of 20 °C.
+const SOUND_MPS: f64 = 343.0;
+/// Relative times beyond these are Unix seconds, or milliseconds.
+const UNIX_S: f64 = 1e9;
+const UNIX_MS: f64 = 1e11;
+
+/// From one point of an object to the next.
+struct Step {
+    way_m: f64,
+    time_s: f64,
+    at_s: f64,
+    /// As the file says it, at the second point.
+    speed_mps: Option<f64>,
+}
+
+/// A sentence for each thing that seems wrong.
+pub fn of(dataset: &Dataset) -> Vec<String> {
+    let steps = steps_of(dataset);
+    let mut found = Vec::new();
+    found.extend(unix_times(dataset));
+    // Kilometres may look like degrees; what velocities say is surer.
+    let units = other_units(&steps).or_else(|| degrees(dataset, &steps));
+    found.extend(units);
+    found.extend(jumps(&steps));
+    found.extend(missing_scans(dataset));
+    found
+}
+
+fn steps_of(dataset: &Dataset) -> Vec<Step> {
+    let mut steps = Vec::new();
+    match dataset {
+        Dataset::Truth(truth) if truth.space() != Space::Bearing => {
+            for target in truth.targets() {
+                let points = target.points.iter();
+                let points: Vec<_> = points
+                    .map(|point| (point.time_s, point.position, point.velocity))
+                    .collect();
+                add_steps(&points, &mut steps);
+            }
+        }
+        Dataset::Tracks(set) if set.space != Space::Bearing => {
+            for track in &set.tracks {
+                let points: Vec<_> = track
+                    .points
+                    .iter()
+                    .map(|point| {
+                        (
+                            point.time_s,
+                            point.estimate.position,
+                            point.estimate.velocity,
+                        )
+                    })
+                    .collect();
+                add_steps(&points, &mut steps);
+            }
+        }
+        _ => {}
+    }
+    steps
+}
+
+fn add_steps(points: &[(f64, Place, Option<Place>)], steps: &mut Vec<Step>) {
+    for pair in points.windows(2) {
+        let time_s = pair[1].0 - pair[0].0;
+        if time_s > 0.0 {
+            steps.push(Step {
+                way_m: (pair[1].1 - pair[0].1).norm(),
+                time_s,
+                at_s: pair[1].0,
+                speed_mps: pair[1].2.map(|velocity| velocity.norm()),
+            });
+        }
+    }
+}
+
+fn unix_times(dataset: &Dataset) -> Option<String> {
+    let last_s = dataset.summary().end_s?;
+    if dataset.time_base() != TimeBase::Relative || last_s < UNIX_S {
+        return None;
+    }
+    let told = if last_s < UNIX_MS {
+        "times look like seconds since 1970: `time_base: utc` says so"
+    } else {
+        "times look like milliseconds since 1970: the mapping `time_s [ms]` with `time_base: utc` says so"
+    };
+    Some(told.to_owned())
+}
+
+/// Columns of metres with degrees in them: all values are angles, and nothing moves as fast as a person walks.
+fn degrees(dataset: &Dataset, steps: &[Step]) -> Option<String> {
+    if dataset.frame().is_some() || steps.is_empty() {
+        return None;
+    }
+    let places = super::places_of(dataset);
+    let are_angles = places
+        .iter()
+        .all(|place| place.x.abs() <= 180.0 && place.y.abs() <= 90.0);
+    let moving = steps.iter().filter(|step| step.way_m > 0.0);
+    let are_slow = moving.clone().all(|step| step.way_m / step.time_s < 0.05);
+    (are_angles && are_slow && moving.count() > 0)
+        .then(|| "x_m and y_m look like degrees: map them to lon_deg and lat_deg".to_owned())
+}
+
+/// Given speeds that are another multiple of the steps than 1.
+fn other_units(steps: &[Step]) -> Option<String> {
+    let ratio = |step: &Step| {
+        let found_mps = step.way_m / step.time_s;
+        let said_mps = step.speed_mps.filter(|said_mps| *said_mps > 1.0)?;
+        (found_mps > 0.0).then_some(found_mps / said_mps)
+    };
+    let mut ratios: Vec<f64> = steps.iter().filter_map(ratio).collect();
+    if ratios.len() < 10 {
+        return None;
+    }
+    ratios.sort_by(f64::total_cmp);
+    let middle = ratios[ratios.len() / 2];
+    let told = |what: &str| {
+        format!("positions move {middle:.3} times as fast as the velocities say: {what}")
+    };
+    match middle {
+        0.0008..0.0012 => Some(told(
+            "the positions look like kilometres (map them as x_m [km])",
+        )),
+        0.9..1.1 => None,
+        0.49..0.54 => Some(told("the velocities look like knots")),
+        0.26..0.29 => Some(told("the velocities look like kilometres an hour")),
+        900.0..1100.0 => Some(told("the velocities look like kilometres a second")),
+        _ if !(0.5..2.0).contains(&middle) => Some(told("one of the two is in another unit")),
+        _ => None,
+    }
+}
+
+fn jumps(steps: &[Step]) -> Option<String> {
+    // A step across less than a second is mostly rounding of the times.
+    let fast: Vec<&Step> = steps
+        .iter()
+        .filter(|step| step.way_m / step.time_s.max(1.0) > SOUND_MPS)
+        .collect();
+    let first = fast.first()?;
+    let count = fast.len();
+    Some(format!(
+        "{count} steps are faster than sound, the first of {:.0} m in {} s at {} s",
+        first.way_m, first.time_s, first.at_s
+    ))
+}
+
+/// Sensors whose numbers of scans leave some out.
+fn missing_scans(dataset: &Dataset) -> Option<String> {
+    let Dataset::Detections(recording) = dataset else {
+        return None;
+    };
+    let mut missing = 0;
+    let mut latest: Vec<Option<u32>> = vec![None; recording.sensors.len()];
+    if !crate::model::scan_numbers::are_by_sensor(&recording.scans) {
+        return None;
+    }
+    for scan in &recording.scans {
+        if let Some(before) = latest[scan.sensor].replace(scan.number) {
+            missing += u64::from(scan.number.saturating_sub(before).saturating_sub(1));
+        }
+    }
+    (missing > 0).then(|| {
+        format!("{missing} scans are missing from the numbers: a tracker counts them as misses")
+    })
+}

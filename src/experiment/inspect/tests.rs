@@ -1,0 +1,98 @@
+//! Files with something to be said of each.
+
+use super::*;
+use crate::formats::{ReadOptions, read_file};
+
+fn look(text: &str, options: serde_json::Value) -> Inspection {
+    let options = ReadOptions {
+        options: serde_json::from_value(options).unwrap(),
+        ..ReadOptions::default()
+    };
+    let (read, format) = read_file("a.csv", &mut text.as_bytes(), None, &options).unwrap();
+    inspect(read, format.name, "a.csv")
+}
+
+fn truth(columns: &str, rows: impl Iterator<Item = String>) -> String {
+    let rows: Vec<String> = rows.collect();
+    format!("time_s,truth_id,{columns}\n{}\n", rows.join("\n"))
+}
+
+#[test]
+fn a_recording_is_summed_up() {
+    let text =
+        "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,a,1,0,5\n2,2,a,1,10,-5\n4,5,a,1,3,3\n";
+    let found = look(text, serde_json::json!({"time_base": "utc"}));
+    assert_eq!((found.scans, found.rows, found.units.used), (3, 3, 3));
+    assert_eq!(found.sensors[0].period_s, Some(2.0));
+    assert_eq!(found.area.unwrap().x_m, [0.0, 10.0]);
+    assert_eq!(
+        found.time,
+        Some(TimeSpan {
+            start_s: 0.0,
+            end_s: 4.0
+        })
+    );
+    assert_eq!(found.time_base, TimeBase::Utc);
+    assert!(
+        found.suspicions[0].starts_with("2 scans are missing"),
+        "{:?}",
+        found.suspicions
+    );
+    assert_eq!(found.job["input"]["path"], "a.csv");
+}
+
+#[test]
+fn degrees_in_columns_of_metres_are_told() {
+    let degrees = truth(
+        "x_m,y_m",
+        (0..5).map(|step| format!("{step},A,{},50.77", -1.2 + 1e-5 * f64::from(step))),
+    );
+    let found = look(&degrees, serde_json::json!({}));
+    assert!(
+        found.suspicions[0].contains("look like degrees"),
+        "{:?}",
+        found.suspicions
+    );
+    let walking = truth(
+        "x_m,y_m",
+        (0..5).map(|step| format!("{step},A,{step},50.77")),
+    );
+    assert_eq!(look(&walking, serde_json::json!({})).suspicions, [""; 0]);
+}
+
+#[test]
+fn kilometres_and_knots_are_told_from_the_velocities() {
+    let moving = |unit: f64, said: f64| {
+        let row = |step: u32| format!("{step},A,{},0,{said},0", f64::from(step) * 20.0 * unit);
+        look(
+            &truth("x_m,y_m,vx_mps,vy_mps", (0..20).map(row)),
+            serde_json::json!({}),
+        )
+        .suspicions
+    };
+    assert!(moving(0.001, 20.0)[0].contains("kilometres"));
+    assert!(moving(1.0, 20.0 / 0.514444)[0].contains("knots"));
+    assert_eq!(moving(1.0, 20.0), [""; 0]);
+}
+
+#[test]
+fn jumps_and_unix_times_are_told() {
+    let row = |step: u32| {
+        format!(
+            "{},A,{},0",
+            1_700_000_000 + u64::from(step),
+            if step == 3 { 9e5 } else { 0.0 }
+        )
+    };
+    let found = look(&truth("x_m,y_m", (0..6).map(row)), serde_json::json!({}));
+    assert!(
+        found.suspicions[0].contains("seconds since 1970"),
+        "{:?}",
+        found.suspicions
+    );
+    assert!(
+        found.suspicions[1].starts_with("2 steps are faster than sound"),
+        "{:?}",
+        found.suspicions
+    );
+}
