@@ -102,6 +102,8 @@ pub struct RecordingParts {
     /// One identity a detection, in scan order, unique within its scan. Its place in this list is the detection's index in the
     /// recording.
     pub detection_ids: Vec<String>,
+    /// One a detection, as `detection_ids`: its third coordinate (m, up), where it has one. Empty of a recording in the plane.
+    pub z_m: Vec<Option<f64>>,
     /// Names of the targets that origins refer to.
     pub targets: Vec<String>,
     /// Whether the recording says which target each detection came from.
@@ -109,6 +111,16 @@ pub struct RecordingParts {
 }
 
 impl RecordingParts {
+    /// Whether any detection has a third coordinate.
+    pub fn is_in_volume(&self) -> bool {
+        !self.z_m.is_empty()
+    }
+
+    /// The third coordinates of these detections; empty of a recording in the plane.
+    pub fn z_of(&self, detections: Range<usize>) -> &[Option<f64>] {
+        self.z_m.get(detections).unwrap_or_default()
+    }
+
     /// The detections of all scans.
     pub fn detections(&self) -> impl Iterator<Item = &Detection> {
         self.scans.iter().flat_map(|scan| &scan.detections)
@@ -171,8 +183,11 @@ impl std::ops::Deref for Recording {
 impl Recording {
     /// # Errors
     /// All faults: scans out of order, indices out of range, values that are not finite.
-    pub fn new(parts: RecordingParts) -> Result<Self, Vec<Fault>> {
+    pub fn new(mut parts: RecordingParts) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
+        if parts.z_m.iter().all(Option::is_none) {
+            parts.z_m.clear();
+        }
         check_scans(&parts, &mut faults);
         check_detections(&parts, &mut faults);
         if faults.is_empty() {
@@ -233,7 +248,9 @@ impl Recording {
                 sensor,
                 ..scan.clone()
             });
-            let ids = &self.detection_ids[first..first + scan.detections.len()];
+            let detections = first..first + scan.detections.len();
+            parts.z_m.extend_from_slice(self.z_of(detections.clone()));
+            let ids = &self.detection_ids[detections];
             parts.detection_ids.extend_from_slice(ids);
         }
         Recording::new(parts)
@@ -308,6 +325,19 @@ fn check_detections(parts: &RecordingParts, faults: &mut Vec<Fault>) {
             "there is not one identity for each detection",
         ));
     }
+    if parts.is_in_volume() && parts.z_m.len() != parts.detection_ids.len() {
+        let detail = "there is not one third coordinate, or none, for each detection";
+        faults.push(Fault::new("/z_m", "malformed", detail));
+    }
+    let heights = parts.z_m.iter().enumerate();
+    let infinite = heights.filter(|(_, z_m)| z_m.is_some_and(|z_m| !z_m.is_finite()));
+    faults.extend(infinite.map(|(index, _)| {
+        Fault::new(
+            format!("/z_m/{index}"),
+            "not_finite",
+            "a third coordinate is not a finite number",
+        )
+    }));
     for (index, detection) in parts.detections().enumerate() {
         if !detection.measurement.is_finite()
             || detection

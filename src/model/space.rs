@@ -47,6 +47,14 @@ impl Space {
         self != Space::Bearing
     }
 
+    /// The same place without what this space does not have: its height in the plane.
+    pub fn cut(self, mut place: Place) -> Place {
+        if self == Space::Plane {
+            place.z = 0.0;
+        }
+        place
+    }
+
     /// What leads from one place to another: of directions the shorter way, between −π and π.
     pub fn difference(self, from: &Place, to: &Place) -> Place {
         let mut difference = to - from;

@@ -75,6 +75,24 @@ impl Kinematics {
         self.position.xy()
     }
 
+    /// The same of a set in the plane: without a third axis, with the marginal of its covariance.
+    #[must_use]
+    pub fn in_plane(&self) -> Kinematics {
+        let of_plane = |whole: SMatrix<f64, 6, 6>| {
+            let kept = [0, 1, 3, 4];
+            Covariance::from_fn(|row, column| whole[(kept[row], kept[column])])
+        };
+        let marginal = self.covariance().map(of_plane);
+        Kinematics {
+            position: Space::Plane.cut(self.position),
+            velocity: self.velocity.map(|velocity| Space::Plane.cut(velocity)),
+            covariance: marginal
+                .as_ref()
+                .map(upper_triangle)
+                .or_else(|| self.covariance.clone()),
+        }
+    }
+
     /// In the plane: the velocity is 0 where there is none.
     pub fn state(&self) -> State {
         let (position_m, velocity_mps) = (self.position, self.velocity.unwrap_or_default());
@@ -159,6 +177,18 @@ impl TrackSet {
         self.space = self.space.of_points(!self.tracks.is_empty());
         self.sensor_ids = kept.into_iter().cloned().collect();
         Ok(self)
+    }
+
+    /// The same tracks in the plane; those of directions stay what they are.
+    #[must_use]
+    pub fn into_plane(mut self) -> TrackSet {
+        if self.space == Space::Volume {
+            self.space = Space::Plane;
+            for point in self.tracks.iter_mut().flat_map(|track| &mut track.points) {
+                point.estimate = point.estimate.in_plane();
+            }
+        }
+        self
     }
 
     /// The candidates of one point.

@@ -28,6 +28,7 @@ struct Columns {
     range_rate: Option<usize>,
     amplitude: Option<usize>,
     truth: Option<usize>,
+    z: Option<usize>,
 }
 
 impl Columns {
@@ -44,6 +45,7 @@ impl Columns {
             range_rate: header.find("range_rate_mps"),
             amplitude: header.find("amplitude"),
             truth: header.find("truth_id"),
+            z: header.find("z_m"),
         }
     }
 }
@@ -58,7 +60,7 @@ struct OpenScan {
     detections: Vec<Detection>,
 }
 
-/// What the rows have shown so far; one entry a detection in the last three lists.
+/// What the rows have shown so far; one entry a detection in the last four lists, or none at all in `z_m`.
 #[derive(Default)]
 struct Builder {
     sensors: Interner,
@@ -70,6 +72,7 @@ struct Builder {
     last_row: Option<(f64, u64)>,
     /// Whether a row had both a position and a range or bearing.
     ambiguous: bool,
+    z_m: Vec<Option<f64>>,
     ids: Vec<String>,
     scan_of: Vec<u32>,
     rows: Vec<u64>,
@@ -115,6 +118,7 @@ impl Builder {
         reader.check_name(columns.id);
         let measurement = self.measurement(reader, columns);
         let amplitude = reader.optional_number(columns.amplitude);
+        let z_m = reader.optional_number(columns.z);
         if let Some(time_s) = time_s {
             self.check_order(reader, columns, time_s);
         }
@@ -145,6 +149,7 @@ impl Builder {
             origin,
             amplitude,
         });
+        self.z_m.extend(columns.z.map(|_| z_m));
         self.ids.push(reader.text(columns.id).to_owned());
         self.scan_of.push(scan as u32);
         self.rows.push(reader.row());
@@ -268,6 +273,8 @@ impl Builder {
                 .map(|&old| std::mem::take(&mut self.ids[old as usize]))
                 .collect();
             self.rows = order.iter().map(|&old| self.rows[old as usize]).collect();
+            let z_m = |&old: &u32| self.z_m.get(old as usize).copied();
+            self.z_m = order.iter().filter_map(z_m).collect();
             self.scan_of.sort_unstable();
         }
         self.check_ids(reader, columns);
@@ -335,6 +342,7 @@ impl Builder {
             sensors,
             scans,
             detection_ids: self.ids,
+            z_m: self.z_m,
             targets,
             origins_known,
         })

@@ -3,7 +3,9 @@
 
 use super::Sink;
 use super::degrees::{degrees, radians_of_square_degrees, square_degrees};
-use super::header::{BEARING_COVARIANCE, COVARIANCE, Header};
+use super::header::{
+    BEARING_COVARIANCE, COVARIANCE, Header, VELOCITY, VOLUME_COVARIANCE, VOLUME_VELOCITY,
+};
 use super::row::RowReader;
 use crate::model::space::{Place, Space};
 use crate::model::state::{Packed, from_upper_triangle};
@@ -26,10 +28,15 @@ impl Names {
                 velocity: &["bearing_rate_degps"],
                 covariance: &BEARING_COVARIANCE,
             },
-            Space::Plane | Space::Volume => Names {
+            Space::Plane => Names {
                 position: &["x_m", "y_m"],
-                velocity: &["vx_mps", "vy_mps"],
+                velocity: &VELOCITY,
                 covariance: &COVARIANCE,
+            },
+            Space::Volume => Names {
+                position: &["x_m", "y_m", "z_m"],
+                velocity: &VOLUME_VELOCITY,
+                covariance: &VOLUME_COVARIANCE,
             },
         }
     }
@@ -46,10 +53,10 @@ pub struct EstimateColumns {
 impl EstimateColumns {
     /// Of tracks.
     pub fn from_header(header: &Header) -> Self {
-        let space = if header.find("x_m").is_none() {
-            Space::Bearing
-        } else {
-            Space::Plane
+        let space = match (header.find("x_m"), header.find("z_m")) {
+            (None, _) => Space::Bearing,
+            (Some(_), None) => Space::Plane,
+            (Some(_), Some(_)) => Space::Volume,
         };
         let names = Names::of(space);
         EstimateColumns {

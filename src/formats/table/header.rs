@@ -12,6 +12,16 @@ pub const COVARIANCE: [&str; 10] = [
     "p_xx", "p_xy", "p_xvx", "p_xvy", "p_yy", "p_yvx", "p_yvy", "p_vxvx", "p_vxvy", "p_vyvy",
 ];
 
+pub const VELOCITY: [&str; 2] = ["vx_mps", "vy_mps"];
+
+pub const VOLUME_VELOCITY: [&str; 3] = ["vx_mps", "vy_mps", "vz_mps"];
+
+/// The 21 columns of a covariance in a volume, upper triangle.
+pub const VOLUME_COVARIANCE: [&str; 21] = [
+    "p_xx", "p_xy", "p_xz", "p_xvx", "p_xvy", "p_xvz", "p_yy", "p_yz", "p_yvx", "p_yvy", "p_yvz",
+    "p_zz", "p_zvx", "p_zvy", "p_zvz", "p_vxvx", "p_vxvy", "p_vxvz", "p_vyvy", "p_vyvz", "p_vzvz",
+];
+
 /// The three columns of a bearing's covariance, upper triangle (deg², deg²/s, deg²/s²).
 pub const BEARING_COVARIANCE: [&str; 3] = ["p_bb", "p_bbr", "p_brbr"];
 
@@ -35,8 +45,9 @@ const DETECTIONS: Schema = Schema {
         "range_rate_mps",
         "amplitude",
         "truth_id",
+        "z_m",
     ],
-    unused: &["z_m", "elevation_deg"],
+    unused: &["elevation_deg"],
     together: &[&["x_m", "y_m"]],
 };
 
@@ -44,7 +55,14 @@ const TRUTH: Schema = Schema {
     required: &["time_s", "truth_id", "x_m", "y_m"],
     optional: &["vx_mps", "vy_mps"],
     unused: &["z_m", "bearing_deg"],
-    together: &[&["vx_mps", "vy_mps"]],
+    together: &[&VELOCITY],
+};
+
+const TRUTH_IN_VOLUME: Schema = Schema {
+    required: &["time_s", "truth_id", "x_m", "y_m", "z_m"],
+    optional: &VOLUME_VELOCITY,
+    unused: &["bearing_deg"],
+    together: &[&VOLUME_VELOCITY],
 };
 
 /// Of targets whose direction alone is known.
@@ -77,7 +95,44 @@ const TRACKS: Schema = Schema {
         "nis",
     ],
     unused: &["z_m", "bearing_deg", "bearing_rate_degps", "existence"],
-    together: &[&["vx_mps", "vy_mps"], &COVARIANCE],
+    together: &[&VELOCITY, &COVARIANCE],
+};
+
+const TRACKS_IN_VOLUME: Schema = Schema {
+    required: &["time_s", "track_id", "x_m", "y_m", "z_m"],
+    optional: &[
+        "sensor_id",
+        "vx_mps",
+        "vy_mps",
+        "vz_mps",
+        "p_xx",
+        "p_xy",
+        "p_xz",
+        "p_xvx",
+        "p_xvy",
+        "p_xvz",
+        "p_yy",
+        "p_yz",
+        "p_yvx",
+        "p_yvy",
+        "p_yvz",
+        "p_zz",
+        "p_zvx",
+        "p_zvy",
+        "p_zvz",
+        "p_vxvx",
+        "p_vxvy",
+        "p_vxvz",
+        "p_vyvy",
+        "p_vyvz",
+        "p_vzvz",
+        "detection_id",
+        "probability",
+        "status",
+        "nis",
+    ],
+    unused: &["bearing_deg", "bearing_rate_degps", "existence"],
+    together: &[&VOLUME_VELOCITY, &VOLUME_COVARIANCE],
 };
 
 /// Of trackers that know directions alone.
@@ -98,16 +153,24 @@ const BEARING_TRACKS: Schema = Schema {
     together: &[&BEARING_COVARIANCE],
 };
 
+/// Groups of a volume, and those of the plane with a part of the same names.
+const PLANAR_PARTS: [(&[&str], &[&str]); 2] = [
+    (&VOLUME_VELOCITY, &VELOCITY),
+    (&VOLUME_COVARIANCE, &COVARIANCE),
+];
+
 impl Schema {
-    /// Truth and tracks are of places unless all that the columns have is a direction.
+    /// Truth and tracks are of places unless all that the columns have is a direction; of a volume where places have a z.
     /// `None` of what is no table.
     fn of(kind: DatasetKind, names: &[String]) -> Option<&'static Schema> {
         let has = |name: &str| names.iter().any(|known| known == name);
         let schema = match (kind, has("bearing_deg") && !has("x_m") && !has("y_m")) {
             (DatasetKind::BearingTime, _) => return None,
             (DatasetKind::Detections, _) => &DETECTIONS,
+            (DatasetKind::Truth, false) if has("z_m") => &TRUTH_IN_VOLUME,
             (DatasetKind::Truth, false) => &TRUTH,
             (DatasetKind::Truth, true) => &TRUE_BEARINGS,
+            (DatasetKind::Tracks, false) if has("z_m") => &TRACKS_IN_VOLUME,
             (DatasetKind::Tracks, false) => &TRACKS,
             (DatasetKind::Tracks, true) => &BEARING_TRACKS,
         };
@@ -121,6 +184,17 @@ impl Schema {
     fn is_unused(&self, name: &str) -> bool {
         self.unused.contains(&name)
             || (std::ptr::eq(self, &DETECTIONS) && name.starts_with("sigma_"))
+    }
+
+    /// Columns of the plane in a file of a volume: they say nothing of its third axis, so they are not read.
+    fn planar_parts(&self, names: &[String]) -> impl Iterator<Item = &'static [&'static str]> {
+        let parts = PLANAR_PARTS.iter().filter(|(whole, part)| {
+            let is_there = |name: &&&str| has(names, name);
+            self.together.contains(whole)
+                && part.iter().all(|name| has(names, name))
+                && whole.iter().filter(is_there).count() == part.len()
+        });
+        parts.map(|(_, part)| *part)
     }
 
     fn known(&self) -> String {
@@ -270,11 +344,11 @@ fn check_missing(
             format!("a file of {} needs a column '{name}'", kind.name()),
         );
     }
-    for group in schema
-        .together
-        .iter()
-        .filter(|group| group.iter().any(|name| has(names, name)))
-    {
+    let planar: Vec<&str> = schema.planar_parts(names).flatten().copied().collect();
+    for group in schema.together.iter().filter(|group| {
+        let mut present = group.iter().filter(|name| has(names, name));
+        present.any(|name| !planar.contains(name))
+    }) {
         for &name in group.iter().filter(|name| !has(names, name)) {
             missing(
                 name,
@@ -319,6 +393,15 @@ fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     }
 }
 
+fn planar_warning(part: &[&str]) -> String {
+    let [first, .., last] = part else {
+        return String::new();
+    };
+    format!(
+        "z_m makes these places those of a volume, but {first} … {last} are of the plane, so they are not read; without z_m all is of the plane"
+    )
+}
+
 fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<String> {
     let list = |wanted: &dyn Fn(&str) -> bool| -> Vec<&str> {
         file_names
@@ -330,7 +413,8 @@ fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<Str
     };
     let unused = list(&|name| schema.is_unused(name));
     let unknown = list(&|name| !schema.is_unused(name) && !schema.is_used(name));
-    let mut warnings = Vec::new();
+    let planar = schema.planar_parts(names).map(planar_warning);
+    let mut warnings: Vec<String> = planar.collect();
     if !unused.is_empty() {
         warnings.push(format!(
             "columns kept in the file but not used: {}",

@@ -32,6 +32,7 @@ struct Layout {
     range_rate: bool,
     amplitude: bool,
     origin: bool,
+    z: bool,
 }
 
 impl Layout {
@@ -65,6 +66,7 @@ impl Layout {
             range_rate,
             amplitude,
             origin: recording.origins_known,
+            z: recording.is_in_volume(),
         }
     }
 
@@ -76,6 +78,7 @@ impl Layout {
                 .into_iter()
                 .flatten(),
         );
+        columns.extend(self.z.then_some("z_m"));
         columns.extend(self.range.then_some("range_m"));
         columns.extend(self.bearing.then_some("bearing_deg"));
         columns.extend(self.range_rate.then_some("range_rate_mps"));
@@ -111,6 +114,10 @@ fn write_row(
     if layout.position {
         sink.number(position.map(|[x_m, _]| x_m))?;
         sink.number(position.map(|[_, y_m]| y_m))?;
+    }
+    if layout.z {
+        let z_m = found.and_then(|(index, _)| recording.z_m.get(index).copied());
+        sink.number(z_m.flatten())?;
     }
     if layout.range {
         sink.number(range_m)?;
