@@ -273,8 +273,10 @@ impl Builder {
                 .map(|&old| std::mem::take(&mut self.ids[old as usize]))
                 .collect();
             self.rows = order.iter().map(|&old| self.rows[old as usize]).collect();
-            let z_m = |&old: &u32| self.z_m.get(old as usize).copied();
-            self.z_m = order.iter().filter_map(z_m).collect();
+            self.z_m = order
+                .iter()
+                .filter_map(|&old| self.z_m.get(old as usize).copied())
+                .collect();
             self.scan_of.sort_unstable();
         }
         self.check_ids(reader, columns);
