@@ -1,12 +1,14 @@
 //! Why tracks break: at every [`EventKind::Break`], what became of the track that had followed the target, and whether the
 //! sensors saw the target at all.
 //!
-//! A detection within the gate of the target's true place counts as seen, whoever made it.
+//! A detection within the gate of the target's true place counts as seen, whoever made it; in a volume one without a height is at
+//! that of the target.
 
 use super::EvaluationInput;
 use super::comparison::{ComparedStep, Comparison};
 use super::events::{Event, EventKind, EventLog};
-use crate::model::scan::Recording;
+use crate::model::scan::{DetectionIndex, Recording};
+use crate::model::space::Place;
 use crate::model::state::Position;
 use crate::model::track::TrackSet;
 use serde::{Deserialize, Serialize};
@@ -54,6 +56,7 @@ pub fn explain<'a>(
     let recording = input.and_then(|input| input.recording);
     let recording =
         recording.filter(|recording| comparison.is_in_metres() && recording.detection_count() > 0);
+    let detections = recording.map(|recording| (recording, recording.index_detections()));
     let breaks = log
         .events
         .iter()
@@ -74,8 +77,8 @@ pub fn explain<'a>(
             track_id: comparison.track_ids[track as usize].clone(),
             cause,
             other_truth_id: other.map(|truth| comparison.truth_ids[truth as usize].clone()),
-            unseen_scans: recording.map(|recording| {
-                unseen_scans(comparison, recording, event.step as usize, truth) as u64
+            unseen_scans: detections.as_ref().map(|detections| {
+                unseen_scans(comparison, detections, event.step as usize, truth) as u64
             }),
             last_detection_time_s: input
                 .and_then(|input| last_detection_s(input.tracks, track, step.time_s)),
@@ -96,41 +99,57 @@ fn is_there(comparison: &Comparison, step: &ComparedStep, track: u32) -> bool {
         .is_ok()
 }
 
+/// A recording, with where the detections of its scans are in it.
+type Detections<'a> = (&'a Recording, DetectionIndex<'a>);
+
 /// Counts back from a step while no scan of that time has a detection near the target.
-fn unseen_scans(comparison: &Comparison, recording: &Recording, step: usize, truth: u32) -> usize {
+fn unseen_scans(
+    comparison: &Comparison,
+    detections: &Detections,
+    step: usize,
+    truth: u32,
+) -> usize {
     let place = |step: &ComparedStep| {
         let truths = &comparison.truths[step.truths.clone()];
         truths
             .binary_search_by_key(&truth, |presence| presence.id)
             .ok()
-            .map(|index| truths[index].position_m.xy())
+            .map(|index| truths[index].position_m)
     };
     let steps = comparison.steps[..=step].iter().rev();
     let places = steps.map_while(|step| place(step).map(|position_m| (step.time_s, position_m)));
     places
-        .take_while(|(time_s, position_m)| {
-            !is_seen(recording, *time_s, position_m, comparison.gate)
-        })
+        .take_while(|(time_s, position_m)| !is_seen(comparison, detections, *time_s, position_m))
         .count()
 }
 
-fn is_seen(recording: &Recording, time_s: f64, position_m: &Position, gate_m: f64) -> bool {
+fn is_seen(
+    comparison: &Comparison,
+    (recording, index): &Detections,
+    time_s: f64,
+    position_m: &Place,
+) -> bool {
+    let space = comparison.space.unwrap_or_default();
     let first = recording.scans.partition_point(|scan| scan.time_s < time_s);
-    recording.scans[first..]
-        .iter()
-        .take_while(|scan| scan.time_s == time_s)
-        .any(|scan| {
+    let scans = (first..).zip(&recording.scans[first..]);
+    scans
+        .take_while(|(_, scan)| scan.time_s == time_s)
+        .any(|(number, scan)| {
             let sensor = &recording.sensors[scan.sensor];
             let place_m = Position::new(
                 sensor.x_m.unwrap_or_default(),
                 sensor.y_m.unwrap_or_default(),
             );
             let place_m = scan.sensor_place_m(place_m);
-            let mut seen = scan
-                .detections
-                .iter()
-                .filter_map(|detection| detection.measurement.position_seen_from(&place_m));
-            seen.any(|seen_m| (seen_m - position_m).norm() <= gate_m)
+            let mut seen = index.range(number).zip(&scan.detections);
+            seen.any(|(detection, found)| {
+                let seen_m = found.measurement.position_seen_from(&place_m);
+                let z_m = recording.z_m.get(detection).copied().flatten();
+                seen_m.is_some_and(|seen_m| {
+                    let seen_m = space.cut(seen_m.push(z_m.unwrap_or(position_m.z)));
+                    (seen_m - position_m).norm() <= comparison.gate
+                })
+            })
         })
 }
 

@@ -8,12 +8,13 @@
 //! 3. The tracks at each step: the points whose times belong to it; of several points of one track the last counts.
 //! 4. The pairs with a distance of at most `reach_m`, found by a sweep along x.
 //!
-//! Directions stand in it as places (bearing in degrees, 0), and their distances take the shorter way round.
+//! Distances are along all axes of the [space](spaces) that truth and tracks have in common. Directions stand in it as places (bearing in degrees, 0), and their distances take the shorter way round.
 //!
 //! Costs are in proportion to points and pairs, apart from sorting.
 
 use super::EvaluationInput;
 use super::extent::Extent;
+use super::spaces;
 use super::steps::Steps;
 use crate::model::space::{Place, Space};
 use crate::model::track::{Kinematics, TrackSet};
@@ -133,12 +134,7 @@ impl Comparison {
         settings: &PointSettings,
         extent: &mut Extent,
     ) -> Comparison {
-        let is_alike = truth.space() == input.tracks.space;
-        let space = if is_alike {
-            truth.space()
-        } else {
-            Space::Plane
-        };
+        let space = spaces::common(truth, input.tracks);
         let mut comparison = Comparison {
             space: Some(space),
             gate: settings.gate_m,
@@ -157,7 +153,7 @@ impl Comparison {
             truths: Vec::new(),
             tracks: Vec::new(),
             pairs: Vec::new(),
-            warnings: Vec::new(),
+            warnings: spaces::warning(truth, input.tracks).into_iter().collect(),
         };
         let mut steps = Steps::new(
             input.recording,
@@ -284,8 +280,8 @@ fn truths_at(
         let mut points = 0;
         for step in alignment.steps_of(target, steps) {
             let (time_s, tolerance_s) = (steps.time_s(step), steps.tolerance_s);
-            let place = (truth.space() == space)
-                .then(|| alignment.place(space, target, time_s, tolerance_s));
+            let place = (truth.space().has_places() == space.has_places())
+                .then(|| alignment.place(truth.space(), target, time_s, tolerance_s));
             if let Some((position, velocity)) = place.flatten() {
                 lists[step].push(presence(space, (id, 0), &position, velocity));
                 points += 1;
@@ -307,7 +303,10 @@ fn presence(
 ) -> Presence {
     let (position_m, velocity_mps) = match space {
         Space::Bearing => (direction(position), None),
-        Space::Plane | Space::Volume => (*position, velocity),
+        Space::Plane | Space::Volume => {
+            let velocity = velocity.map(|velocity| space.cut(velocity));
+            (space.cut(*position), velocity)
+        }
     };
     Presence::new(id as u32, position_m, velocity_mps, point as u32)
 }
@@ -387,7 +386,7 @@ fn tracks_at(
                 continue;
             };
             guess = step + 1;
-            if set.space != space {
+            if set.space.has_places() != space.has_places() {
                 continue;
             }
             let Kinematics {

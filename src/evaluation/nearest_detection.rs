@@ -2,59 +2,68 @@
 //!
 //! A position report is where it says; a polar one is converted with the place of its sensor; a bearing alone is nowhere
 //! and no symbol. The symbol of a track point is the nearest detection with a distance of at most `gate_m`, ties to the one
-//! listed first, ε when there is none. It is not one to one: two tracks may take the same detection.
+//! listed first, ε when there is none. Distances are along three axes where the tracks are of a volume and every detection has a
+//! third coordinate. It is not one to one: two tracks may take the same detection.
 
-use super::nearest_point::{Place, PlaneTree};
+use super::nearest_point::{Place, PlaceTree};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::sensor::SensorSettings;
+use crate::model::space::{self, Space};
 use crate::model::state::Position;
 
 pub struct NearestDetection {
     /// Detections without a position.
     pub bearings_alone: usize,
+    /// Of the distances.
+    pub space: Space,
     gate_m: f64,
-    trees: Vec<PlaneTree>,
+    trees: Vec<PlaceTree>,
 }
 
 impl NearestDetection {
-    /// `sensors` are those of the recording, in its order.
+    /// `sensors` are those of the recording, in its order; the tracks are of `space`.
     ///
     /// # Errors
     /// A fault for each sensor that reports ranges and bearings and whose place is not known.
     pub fn new(
         recording: &Recording,
         sensors: &[SensorSettings],
+        space: Space,
         gate_m: f64,
     ) -> Result<Self, Vec<Fault>> {
         let places = places_of(recording, sensors)?;
+        let is_high = recording.is_in_volume() && recording.z_m.iter().all(Option::is_some);
+        let space = if is_high { space } else { Space::Plane };
         let mut bearings_alone = 0;
         let mut tree = |(first, scan): (usize, &Scan)| {
             let place_m = scan.sensor_place_m(places[scan.sensor]);
             let seen = (first..).zip(&scan.detections);
             let seen = seen.filter_map(|(index, detection)| {
                 let position_m = detection.measurement.position_seen_from(&place_m)?;
+                let z_m = recording.z_m.get(index).copied().flatten();
                 Some(Place {
-                    position_m,
+                    position_m: space.cut(position_m.push(z_m.unwrap_or_default())),
                     index: index as u32,
                     rank: index as u32,
                 })
             });
             let seen: Vec<Place> = seen.collect();
             bearings_alone += scan.detections.len() - seen.len();
-            PlaneTree::new(seen)
+            PlaceTree::new(seen)
         };
         let trees = recording.scans_with_firsts().map(&mut tree).collect();
         Ok(NearestDetection {
             bearings_alone,
+            space,
             gate_m,
             trees,
         })
     }
 
     /// The detection of a scan that is nearest to a position.
-    pub fn nearest(&self, scan: usize, position_m: &Position) -> Option<u32> {
-        self.trees[scan].nearest(position_m, self.gate_m)
+    pub fn nearest(&self, scan: usize, position_m: &space::Place) -> Option<u32> {
+        self.trees[scan].nearest(&self.space.cut(*position_m), self.gate_m)
     }
 }
 

@@ -1,16 +1,16 @@
-//! The nearest of many points in the plane: a balanced k-d tree kept in one list, the median of each part in its middle.
+//! The nearest of many points: a balanced k-d tree kept in one list, the median of each part in its middle.
 
-use crate::model::state::Position;
+use crate::model::space;
 
 /// A point with the index it stands for; of equally near points the one with the smaller rank is the nearest.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
-    pub position_m: Position,
+    pub position_m: space::Place,
     pub index: u32,
     pub rank: u32,
 }
 
-/// A place and the axis (0 is x, 1 is y) that parts its list: smaller before it, larger behind it.
+/// A place and the axis (0 is x, 1 is y, 2 is z) that parts its list: smaller before it, larger behind it.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     place: Place,
@@ -18,40 +18,42 @@ struct Node {
 }
 
 #[derive(Debug, Default)]
-pub struct PlaneTree(Vec<Node>);
+pub struct PlaceTree(Vec<Node>);
 
 /// Squared distance, rank and index of the best place so far; a place replaces it by smaller distance, then rank.
 type Best = (f64, u32, Option<u32>);
 
-impl PlaneTree {
+impl PlaceTree {
     pub fn new(places: Vec<Place>) -> Self {
         let mut nodes: Vec<Node> = places
             .into_iter()
             .map(|place| Node { place, axis: 0 })
             .collect();
         arrange(&mut nodes);
-        PlaneTree(nodes)
+        PlaceTree(nodes)
     }
 
     /// Index of the nearest place at most `limit_m` away.
-    pub fn nearest(&self, position_m: &Position, limit_m: f64) -> Option<u32> {
+    pub fn nearest(&self, position_m: &space::Place, limit_m: f64) -> Option<u32> {
         let mut best: Best = (limit_m * limit_m, u32::MAX, None);
         search(&self.0, position_m, &mut best);
         best.2
     }
 }
 
-/// Parts along the longer side, so that places on a line are as quickly found as places in a square.
+/// Parts along the longest side, so that places on a line are as quickly found as places in a square.
 fn arrange(nodes: &mut [Node]) {
     if nodes.len() < 2 {
         return;
     }
     let middle = nodes.len() / 2;
-    let axis = if extent_m(nodes, 1) > extent_m(nodes, 0) {
-        1
-    } else {
-        0
-    };
+    let (mut axis, mut longest_m) = (0, extent_m(nodes, 0));
+    for other in 1..3 {
+        let side_m = extent_m(nodes, other);
+        if side_m > longest_m {
+            (axis, longest_m) = (other, side_m);
+        }
+    }
     nodes.select_nth_unstable_by(middle, |a, b| {
         a.place.position_m[axis].total_cmp(&b.place.position_m[axis])
     });
@@ -65,7 +67,7 @@ fn extent_m(nodes: &[Node], axis: usize) -> f64 {
     values_m().fold(f64::NEG_INFINITY, f64::max) - values_m().fold(f64::INFINITY, f64::min)
 }
 
-fn search(nodes: &[Node], wanted: &Position, best: &mut Best) {
+fn search(nodes: &[Node], wanted: &space::Place, best: &mut Best) {
     if nodes.is_empty() {
         return;
     }
@@ -97,17 +99,24 @@ mod tests {
         /// Whole coordinates make ties common; the naive answer takes the smallest (distance, rank).
         #[test]
         fn finds_what_looking_at_every_point_finds(
-            points in prop::collection::vec((0..12i32, 0..12i32), 0..60), x in 0..12i32, y in 0..12i32, limit in 0..6i32,
+            points in prop::collection::vec((0..12i32, 0..12i32, 0..12i32), 0..60), is_flat: bool,
+            (x, y, z) in (0..12i32, 0..12i32, 0..12i32), limit in 0..6i32,
         ) {
-            let place = |(index, &(x, y)): (usize, &(i32, i32))| {
-                Place { position_m: Position::new(f64::from(x), f64::from(y)), index: index as u32, rank: 1000 - index as u32 }
+            let points: Vec<_> = points.into_iter().map(|(x, y, z)| (x, y, if is_flat { 0 } else { z })).collect();
+            let z = if is_flat { 0 } else { z };
+            let place = |(index, &(x, y, z)): (usize, &(i32, i32, i32))| {
+                let position_m = space::Place::new(x.into(), y.into(), z.into());
+                Place { position_m, index: index as u32, rank: 1000 - index as u32 }
             };
             let places: Vec<Place> = points.iter().enumerate().map(place).collect();
             let naive = points.iter().enumerate()
-                .map(|(index, &(px, py))| ((px - x).pow(2) + (py - y).pow(2), 1000 - index as u32, index as u32))
+                .map(|(index, &(px, py, pz))| {
+                    ((px - x).pow(2) + (py - y).pow(2) + (pz - z).pow(2), 1000 - index as u32, index as u32)
+                })
                 .filter(|&(squared, ..)| squared <= limit * limit)
                 .min();
-            let found = PlaneTree::new(places).nearest(&Position::new(f64::from(x), f64::from(y)), f64::from(limit));
+            let wanted = space::Place::new(x.into(), y.into(), z.into());
+            let found = PlaceTree::new(places).nearest(&wanted, f64::from(limit));
             prop_assert_eq!(found, naive.map(|(_, _, index)| index));
         }
     }

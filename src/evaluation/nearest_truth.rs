@@ -11,11 +11,10 @@
 use super::axis::Axis;
 use super::comparison::Alignment;
 use super::id_order;
-use super::nearest_point::{Place, PlaneTree};
+use super::nearest_point::{Place, PlaceTree};
 use crate::model::allowance::{MAX_POINTS, too_large};
 use crate::model::fault::Fault;
-use crate::model::space::Space;
-use crate::model::state::Position;
+use crate::model::space::{self, Space};
 use crate::model::truth::{Target, TruthSet};
 
 pub struct NearestTruth<'a> {
@@ -25,18 +24,21 @@ pub struct NearestTruth<'a> {
     pub scans_of_target: Vec<Vec<usize>>,
     /// How many targets were left out.
     pub never_watched: usize,
+    space: Space,
     gate_m: f64,
-    trees: Vec<PlaneTree>,
+    trees: Vec<PlaceTree>,
 }
 
 impl<'a> NearestTruth<'a> {
+    /// Distances are of `space`.
+    ///
     /// # Errors
     /// When the targets exist at more scans, one after the other, than may be held.
     pub fn new(
         truth: &'a TruthSet,
+        space: Space,
         axis: &Axis,
-        gate_m: f64,
-        max_gap_s: f64,
+        (gate_m, max_gap_s): (f64, f64),
         keep_all: bool,
     ) -> Result<Self, Vec<Fault>> {
         let ranks = id_order::ranks(
@@ -50,7 +52,7 @@ impl<'a> NearestTruth<'a> {
             (Vec::new(), Vec::new(), 0, 0);
         for (target, rank) in truth.targets().iter().zip(ranks) {
             let index = target_ids.len() as u32;
-            let path = positions_on(axis, target, max_gap_s);
+            let path = positions_on(axis, truth.space(), target, max_gap_s);
             if path.is_empty() && !keep_all {
                 never_watched += 1;
                 continue;
@@ -68,7 +70,7 @@ impl<'a> NearestTruth<'a> {
             }
             for &(scan, position_m) in &path {
                 places[scan].push(Place {
-                    position_m,
+                    position_m: space.cut(position_m),
                     index,
                     rank,
                 });
@@ -76,24 +78,30 @@ impl<'a> NearestTruth<'a> {
             target_ids.push(target.truth_id.as_str());
             scans_of_target.push(path.into_iter().map(|(scan, _)| scan).collect());
         }
-        let trees = places.into_iter().map(PlaneTree::new).collect();
+        let trees = places.into_iter().map(PlaceTree::new).collect();
         Ok(NearestTruth {
             target_ids,
             scans_of_target,
             never_watched,
+            space,
             gate_m,
             trees,
         })
     }
 
     /// The symbol of a track that is at `position_m` at a scan.
-    pub fn symbol(&self, scan: usize, position_m: &Position) -> Option<u32> {
-        self.trees[scan].nearest(position_m, self.gate_m)
+    pub fn symbol(&self, scan: usize, position_m: &space::Place) -> Option<u32> {
+        self.trees[scan].nearest(&self.space.cut(*position_m), self.gate_m)
     }
 }
 
 /// The scans at which a target exists, and where it is then.
-fn positions_on(axis: &Axis, target: &Target, max_gap_s: f64) -> Vec<(usize, Position)> {
+fn positions_on(
+    axis: &Axis,
+    space: Space,
+    target: &Target,
+    max_gap_s: f64,
+) -> Vec<(usize, space::Place)> {
     let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else {
         return Vec::new();
     };
@@ -109,10 +117,8 @@ fn positions_on(axis: &Axis, target: &Target, max_gap_s: f64) -> Vec<(usize, Pos
         .take_while(|(_, scan)| scan.time_s <= last.time_s + tolerance_s);
     scans
         .filter_map(|(index, scan)| {
-            let place = alignment
-                .place(Space::Plane, target, scan.time_s, tolerance_s)?
-                .0;
-            Some((index, place.xy()))
+            let place = alignment.place(space, target, scan.time_s, tolerance_s)?;
+            Some((index, place.0))
         })
         .collect()
 }

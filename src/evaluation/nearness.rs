@@ -7,7 +7,7 @@
 //!    points are within the gate there, and half of all need the same shift, give or take a usual gap of the truth, that is it.
 
 use super::comparison::{Comparison, Presence};
-use crate::model::space::Place;
+use crate::model::space::{Place, Space};
 use crate::model::track::TrackSet;
 use crate::model::truth::{TruthPoint, TruthSet};
 
@@ -40,8 +40,14 @@ pub fn least_distance(comparison: &Comparison) -> f64 {
     least
 }
 
-/// By how much the times of the tracks would have to be later for the tracks to be within `gate_m` of the truth (s).
-pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option<f64> {
+/// By how much the times of the tracks would have to be later for the tracks to be within `gate_m` of the truth (s), both in
+/// `space`.
+pub fn clock_shift_s(
+    truth: &TruthSet,
+    tracks: &TrackSet,
+    space: Space,
+    gate_m: f64,
+) -> Option<f64> {
     let segments: Vec<&[TruthPoint]> = truth
         .targets()
         .iter()
@@ -51,7 +57,7 @@ pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option
         .tracks
         .iter()
         .flat_map(|track| &track.points)
-        .map(|point| (point.time_s, point.estimate.position))
+        .map(|point| (point.time_s, space.cut(point.estimate.position)))
         .collect();
     if segments.is_empty() || segments.len() > MAX_TRUTH_POINTS {
         return None;
@@ -62,7 +68,7 @@ pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option
         .collect();
     let mut shifts_s: Vec<f64> = sampled
         .iter()
-        .filter_map(|(time_s, at_m)| Some(nearest_time_s(&segments, at_m, gate_m)? - time_s))
+        .filter_map(|(time_s, at_m)| Some(nearest_time_s(&segments, space, at_m, gate_m)? - time_s))
         .collect();
     shifts_s.sort_unstable_by(f64::total_cmp);
     let middle_s = *shifts_s.get(shifts_s.len() / 2)?;
@@ -79,11 +85,16 @@ pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option
 }
 
 /// When a target is nearest to a place, if it comes within the gate.
-fn nearest_time_s(segments: &[&[TruthPoint]], at_m: &Place, gate_m: f64) -> Option<f64> {
+fn nearest_time_s(
+    segments: &[&[TruthPoint]],
+    space: Space,
+    at_m: &Place,
+    gate_m: f64,
+) -> Option<f64> {
     let mut best = (gate_m, None);
     for pair in segments {
-        let from_m = pair[0].position;
-        let along_m = pair[1].position - from_m;
+        let from_m = space.cut(pair[0].position);
+        let along_m = space.cut(pair[1].position) - from_m;
         let share = if along_m.norm_squared() > 0.0 {
             ((at_m - from_m).dot(&along_m) / along_m.norm_squared()).clamp(0.0, 1.0)
         } else {
@@ -129,10 +140,13 @@ mod tests {
         let path: Vec<f64> = (0..20).map(|step| 10.0 * f64::from(step)).collect();
         let late: Vec<f64> = path.iter().map(|x| x - 30.0).collect();
         let (truth, tracks) = (truth_of(&[("A", &path)]), tracks_of(&[("T", &late)]));
-        assert_eq!(clock_shift_s(&truth, &tracks, 5.0), Some(-3.0));
+        assert_eq!(
+            clock_shift_s(&truth, &tracks, Space::Plane, 5.0),
+            Some(-3.0)
+        );
         let away: Vec<f64> = path.iter().map(|x| x + 1e6).collect();
         assert_eq!(
-            clock_shift_s(&truth, &tracks_of(&[("T", &away)]), 5.0),
+            clock_shift_s(&truth, &tracks_of(&[("T", &away)]), Space::Plane, 5.0),
             None
         );
     }

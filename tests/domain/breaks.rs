@@ -75,3 +75,37 @@ fn a_break_says_what_became_of_the_track_and_whether_the_target_was_seen() {
         (None, Some(0), Some(4.0))
     );
 }
+
+/// A stands at (0, 0, 5) and its track ends after t = 0. What is seen 50 m above it at t = 1 is something else, unless the
+/// sensor says no height.
+#[test]
+fn in_a_volume_a_detection_above_the_target_is_not_of_it() {
+    let truth = "time_s,truth_id,x_m,y_m,z_m\n0,A,0,0,5\n1,A,0,0,5\n";
+    let tracks = "time_s,track_id,x_m,y_m,z_m\n0,1,0,0,5\n";
+    for (height, unseen) in [("55", Some(1)), ("6", Some(0)), ("", Some(0))] {
+        let seen = format!(
+            "time_s,scan,sensor_id,detection_id,x_m,y_m,z_m\n0,1,r,a,0,0,5\n1,2,r,b,0,0,{height}\n"
+        );
+        let (Dataset::Truth(truth), Dataset::Tracks(tracks), Dataset::Detections(recording)) =
+            (read(truth), read(tracks), read(&seen))
+        else {
+            panic!("other kinds")
+        };
+        let input = EvaluationInput {
+            recording: Some(&recording),
+            truth: Some(&truth),
+            tracks: &tracks,
+        };
+        let settings = PointSettings {
+            alignment: Alignment::Interpolate { max_gap_s: 1.0 },
+            gate_m: 10.0,
+            reach_m: 10.0,
+            time_tolerance_s: None,
+        };
+        let comparison = Comparison::of_points(&input, &truth, &settings);
+        let log = EventLog::new(&comparison);
+        let breaks: Vec<Break> = explain(&comparison, &log, Some(&input)).collect();
+        assert_eq!(breaks.len(), 1);
+        assert_eq!(breaks[0].unseen_scans, unseen, "height {height}");
+    }
+}

@@ -49,4 +49,5 @@ mod track_fusion;
 mod track_statistics;
 mod two_sensors;
 mod vision;
+mod volumes;
 mod wang_claims;

@@ -53,6 +53,16 @@ fn seeds() -> Vec<(&'static str, Option<DatasetKind>, Vec<u8>)> {
             None,
             "time_s,track_id,x_m,y_m,detection_id,probability,status,nis\n0,1,1,2,a,0.5,tentative,1\n0,1,1,2,,0.5,,\n",
         ),
+        text(
+            "csv",
+            None,
+            "time_s,track_id,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps\n0,1,1,2,3,4,5,6\n1,1,5,7,9,,,\n0,2,1,2,3,4,5,6\n",
+        ),
+        text(
+            "csv",
+            None,
+            "time_s,scan,sensor_id,detection_id,x_m,y_m,z_m\n0,1,r,a,1,2,3\n0,1,r,b,-3.5,4e2,\n1,2,r,,,,\n",
+        ),
         text("csv", None, "time_s,0,10,20\n0,1,2,3\n1,4,5,6\n"),
         text(
             "json",

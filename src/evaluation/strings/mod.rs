@@ -19,10 +19,12 @@ use super::axis::Axis;
 use super::identities::Identities;
 use super::nearest_detection::NearestDetection;
 use super::nearest_truth::NearestTruth;
+use super::spaces;
 use super::steps::Steps;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
+use crate::model::space::Space;
 use crate::model::truth::TruthSet;
 use normal_form::StringSet;
 use outputs::Outputs;
@@ -182,7 +184,7 @@ fn by_detection<'a>(
     }
     let sensors = rules.sensors.unwrap_or(&recording.sensors);
     let nearest = gate_m
-        .map(|gate_m| NearestDetection::new(recording, sensors, gate_m))
+        .map(|gate_m| NearestDetection::new(recording, sensors, input.tracks.space, gate_m))
         .transpose()?;
     // Nearly all tracks are at the times of the scans exactly; then nobody has to go through their times beforehand.
     let exact = rules.time_tolerance_s.is_none().then(|| {
@@ -229,6 +231,11 @@ fn on_scans<'a>(
     {
         warnings
             .push(format!("{alone} detection(s) are bearings alone, which are near to nothing, and were left out as symbols of tracks"));
+    }
+    if input.tracks.space == Space::Volume
+        && nearest.is_some_and(|nearest| nearest.space == Space::Plane)
+    {
+        warnings.push("the tracks are of a volume, but not every detection has a z_m: the nearest detections are those in the plane".to_owned());
     }
     let target_ids = targets_of(recording, input.truth);
     let truth = truth_strings(
@@ -278,12 +285,15 @@ fn by_nearest_truth<'a>(
         input.tracks,
         rules.time_tolerance_s,
     );
-    let mut warnings = std::mem::take(&mut steps.warnings);
+    let mut warnings = Vec::from_iter(spaces::warning(truth, input.tracks));
+    warnings.append(&mut steps.warnings);
     let axis = match input.recording {
         Some(recording) => Axis::of_recording(recording, input.tracks, steps, max_missed),
         None => Axis::of_steps(steps),
     };
-    let nearest = NearestTruth::new(truth, &axis, gate_m, max_gap_s, input.recording.is_none())?;
+    let space = spaces::common(truth, input.tracks);
+    let keep_all = input.recording.is_none();
+    let nearest = NearestTruth::new(truth, space, &axis, (gate_m, max_gap_s), keep_all)?;
     let mut strings = StringSet::new(max_missed);
     for (target, scans) in nearest.scans_of_target.iter().enumerate() {
         strings.push_owner(scans.iter().map(|&scan| {

@@ -207,9 +207,9 @@ impl Reader<'_, '_> {
         }
         let step = match self.source {
             Source::NearestTruth(nearest) => {
-                let place_m = track.points[first].estimate.position_m();
+                let place_m = &track.points[first].estimate.position;
                 StringStep {
-                    symbol: nearest.symbol(scan, &place_m),
+                    symbol: nearest.symbol(scan, place_m),
                     weight: 1.0,
                 }
             }
@@ -247,7 +247,7 @@ impl Reader<'_, '_> {
             }
             Source::NearestDetection(nearest) => {
                 let symbol = points.first().and_then(|&(_, first)| {
-                    nearest.nearest(scan, &track.points[first].estimate.position_m())
+                    nearest.nearest(scan, &track.points[first].estimate.position)
                 });
                 StringStep {
                     symbol,

@@ -82,6 +82,7 @@ pub fn track(
     observer: &mut dyn Observer,
 ) -> Result<Tracked, RunError> {
     let mut warnings = Vec::new();
+    data.warn_of_heights("tracked");
     let scenario = input.scenario.as_ref();
     let tracked = track_with(
         data,

@@ -25,6 +25,8 @@ use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
 use crate::experiment::request::methods::TrackingSpec;
 use crate::model::fault::Fault;
+use crate::model::space::Space;
+use crate::model::track::TrackSet;
 use nodes::Nodes;
 use spec::Spec;
 
@@ -99,7 +101,16 @@ impl CorrelateJob {
         }
         match &self.tracking {
             Some(tracking) => self.track_by_sensor(tracking, data, settings, observer),
-            None => Ok(nodes::name_sets(std::mem::take(&mut data.sets))),
+            None => {
+                let sets = std::mem::take(&mut data.sets);
+                if sets.iter().any(|set| set.space == Space::Volume) {
+                    let warning =
+                        "tracks of a volume (z_m) are put together in the plane, without heights";
+                    data.warn([warning.to_owned()]);
+                }
+                let sets = sets.into_iter().map(TrackSet::into_plane);
+                Ok(nodes::name_sets(sets.collect()))
+            }
         }
     }
 

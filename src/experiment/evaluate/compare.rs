@@ -6,6 +6,7 @@ use crate::evaluation::EvaluationInput;
 use crate::evaluation::comparison::{Comparison, PointSettings};
 use crate::evaluation::extent::Extent;
 use crate::evaluation::nearness;
+use crate::evaluation::spaces;
 use crate::experiment::input::TruthAndTracks;
 use crate::experiment::job::{RunError, refuse_any};
 use crate::model::boxes::BoxSet;
@@ -57,7 +58,7 @@ impl<'a> Subject<'a> {
     ) -> Result<Self, RunError> {
         let content = match (&pair.truth, &pair.tracks) {
             (Some(Dataset::Truth(truth)), Some(Dataset::Tracks(tracks))) => {
-                if truth.space() != tracks.space {
+                if truth.space().has_places() != tracks.space.has_places() {
                     let allowed = "truth and tracks of one kind";
                     return Err(unlike(name, index, OF_BEARINGS, allowed).into());
                 }
@@ -164,7 +165,9 @@ pub fn never_near(subject: &Subject, comparison: &Comparison) -> Option<String> 
         return None;
     }
     let least_m = nearness::least_distance(comparison);
-    let shifted = nearness::clock_shift_s(truth, input.tracks, comparison.gate).map(|shift_s| {
+    let space = comparison.space.unwrap_or_default();
+    let shift_s = nearness::clock_shift_s(truth, input.tracks, space, comparison.gate);
+    let shifted = shift_s.map(|shift_s| {
         let (size_s, direction) = (shift_s.abs(), if shift_s < 0.0 { "earlier" } else { "later" });
         format!("; with the times of the tracks {size_s:.3} s {direction} they would meet: do both have one clock?")
     });
@@ -257,7 +260,8 @@ fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     })
 }
 
-/// Numbers of boxes, of places and of directions have no common unit, so they make no number together.
+/// Numbers of boxes, of places and of directions have no common unit, so they make no number together; nor do those of two axes
+/// and of three.
 pub fn refuse_mixtures(subjects: &[Subject]) -> Result<(), Vec<Fault>> {
     let Some(first) = subjects.first().map(shape_name) else {
         return Ok(());
@@ -280,7 +284,10 @@ pub fn refuse_mixtures(subjects: &[Subject]) -> Result<(), Vec<Fault>> {
 fn shape_name(subject: &Subject) -> &'static str {
     match &subject.content {
         Content::Points { truth, .. } if !truth.space().has_places() => "directions",
-        Content::Points { .. } => "points",
+        Content::Points { truth, input } => match spaces::common(truth, input.tracks) {
+            Space::Volume => "points of a volume",
+            _ => "points",
+        },
         Content::Boxes { .. } => "boxes",
     }
 }

@@ -56,6 +56,7 @@ impl Job for GroupJob {
         let Spec { input, sensors, .. } = &self.spec;
         let mut data = JobData::load(work.requests, work.inputs, sensors)?;
         data.gather(input, None, sensors, settings.seed, observer)?;
+        data.warn_of_heights("grouped");
         let grouped = run::group(&self.spec, &data, settings.seed, observer)?;
         let left_out = grouped
             .history

@@ -199,6 +199,19 @@ impl JobData {
         }
     }
 
+    /// Warns where detections have heights, which what is `done` with them does not use.
+    pub fn warn_of_heights(&mut self, done: &str) {
+        if self
+            .recording
+            .as_ref()
+            .is_some_and(|found| found.is_in_volume())
+        {
+            self.warn([format!(
+                "the detections are of a volume (z_m): they are {done} in the plane, without heights"
+            )]);
+        }
+    }
+
     /// The files `first`, then the datasets of the job, with `tracks` if it made some.
     ///
     /// # Errors

@@ -4,6 +4,7 @@
 pub mod bearing_time;
 pub mod compare;
 pub mod gates;
+mod heights;
 pub mod layers;
 pub mod metrics;
 pub mod plan;
@@ -53,20 +54,22 @@ struct Seen<'a> {
     scan: &'a Scan,
     detection: &'a Detection,
     detection_id: &'a str,
+    /// Its height, where it has one.
+    z_m: Option<f64>,
 }
 
 /// The detections of the scans inside the window.
 fn detections<'a>(recording: &'a Recording, window: &Window) -> impl Iterator<Item = Seen<'a>> {
-    let ids = &recording.detection_ids;
     recording
         .scans_with_firsts()
         .filter(|(_, scan)| window.holds(scan.time_s))
-        .flat_map(|(first, scan)| {
-            let found = ids[first..].iter().zip(&scan.detections);
-            found.map(move |(id, detection)| Seen {
+        .flat_map(move |(first, scan)| {
+            let found = (first..).zip(&scan.detections);
+            found.map(move |(index, detection)| Seen {
                 scan,
                 detection,
-                detection_id: id,
+                detection_id: &recording.detection_ids[index],
+                z_m: recording.z_m.get(index).copied().flatten(),
             })
         })
 }

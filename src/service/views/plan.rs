@@ -1,5 +1,6 @@
 //! The plan view: truth, detections and tracks in the plane, with the scans to step through.
 
+use super::heights;
 use super::layers::JobLayers;
 use super::{
     Density, Method, Reduced, Seen, Window, detection_id, detections, most_probable, place, points,
@@ -74,6 +75,10 @@ pub struct TruthColumns {
     pub truth_id: Vec<String>,
     pub x_m: Vec<f64>,
     pub y_m: Vec<f64>,
+    /// Up; no column where no point has a height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub height_m: Option<Vec<Option<f64>>>,
 }
 
 #[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
@@ -87,6 +92,10 @@ pub struct DetectionColumns {
     pub y_m: Vec<Option<f64>>,
     /// The target it came from; null for clutter, and where origins are unknown.
     pub truth_id: Vec<Option<String>>,
+    /// Up; no column where no detection has a height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub height_m: Option<Vec<Option<f64>>>,
 }
 
 #[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
@@ -108,6 +117,10 @@ pub struct TrackColumns {
     pub p_xx: Vec<Option<f64>>,
     pub p_xy: Vec<Option<f64>>,
     pub p_yy: Vec<Option<f64>>,
+    /// Up; no column where no point has a height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub height_m: Option<Vec<Option<f64>>>,
 }
 
 /// The smallest box and time span around every point; absent members where there is no point.
@@ -214,6 +227,7 @@ fn truth_layer(truth: &TruthSet, window: &Window, extent: &mut Extent) -> TruthL
         truth_id: kept.column(|row| rows[row].0.truth_id.clone()),
         x_m: kept.column(|row| rows[row].1.position.x),
         y_m: kept.column(|row| rows[row].1.position.y),
+        height_m: heights::column(&kept, |row| heights::of_truth(truth, rows[row].1)),
     };
     TruthLayer::new(columns, &kept)
 }
@@ -250,6 +264,7 @@ fn detection_layer(
         x_m: kept.column(|row| places[row].map(|place| place.0)),
         y_m: kept.column(|row| places[row].map(|place| place.1)),
         truth_id: kept.column(|row| truth_id(rows[row].detection)),
+        height_m: heights::column(&kept, |row| rows[row].z_m),
     };
     let is_reduced = kept.method != Method::All;
     let density = is_reduced
@@ -303,6 +318,7 @@ fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLay
         p_xx: kept.column(|row| variance(row, 0)),
         p_xy: kept.column(|row| variance(row, 1)),
         p_yy: kept.column(|row| variance(row, variables)),
+        height_m: heights::column(&kept, |row| heights::of_track(set, rows[row].1)),
     };
     TrackLayer::new(columns, &kept)
 }
@@ -376,6 +392,36 @@ mod tests {
         assert_eq!(columns.detection_id, [None]);
         assert_eq!(columns.probability, [Some(0.75)]);
         assert_eq!(columns.vx_mps, [None]);
+    }
+
+    #[test]
+    fn points_of_a_volume_have_heights_and_others_have_no_column() {
+        let columns = of(&layers(), &everything()).tracks.columns;
+        assert_eq!(columns.height_m, None);
+        let Dataset::Tracks(tracks) = read("time_s,track_id,x_m,y_m,z_m\n0,t,1,2,3\n1,t,1,2,-4\n")
+        else {
+            panic!("not tracks")
+        };
+        let Dataset::Detections(detections) =
+            read("time_s,scan,sensor_id,detection_id,x_m,y_m,z_m\n0,1,s,a,1,2,30\n0,1,s,b,1,2,\n")
+        else {
+            panic!("not detections")
+        };
+        let layers = JobLayers {
+            detections: Some(detections),
+            tracks: Some(tracks),
+            ..JobLayers::default()
+        };
+        let plan = of(&layers, &everything());
+        assert_eq!(
+            plan.tracks.columns.height_m,
+            Some(vec![Some(3.0), Some(-4.0)])
+        );
+        assert_eq!(
+            plan.detections.columns.height_m,
+            Some(vec![Some(30.0), None])
+        );
+        assert_eq!(plan.truth.columns.height_m, None);
     }
 
     #[test]

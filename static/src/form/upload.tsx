@@ -26,6 +26,7 @@ const COLUMNS = [
   "range_rate_mps",
   "vx_mps",
   "vy_mps",
+  "vz_mps",
   "amplitude",
   "probability",
   "status",

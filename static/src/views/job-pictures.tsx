@@ -23,6 +23,8 @@ import {
 import { bearingScene } from "../charts/bearing-scene";
 import { BearingTimeChart } from "../charts/bearing-time";
 import { ClockBar } from "../charts/clock-bar";
+import { heightScene } from "../charts/height-scene";
+import { HeightTimeChart } from "../charts/height-time";
 import { type Levels, readLevels } from "../charts/levels";
 import { PlanView } from "../charts/plan-view";
 import { ProbabilityChart } from "../charts/probability";
@@ -129,6 +131,7 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
   const scene = useMemo(() => sceneOf(plan, locals, membersOf(report)), [plan]);
   const clock = useMemo(() => createClock(scene.times, scene.numbers), [scene]);
   const directions = useMemo(() => (bearings ? bearingScene(bearings) : undefined), [bearings]);
+  const heights = useMemo(() => heightScene(plan), [plan]);
   const hasPlaces = scene.truths.size + scene.tracks.size + scene.clouds.length > 0;
   const track = param("track");
   const gated = track && scene.tracks.has(track) && !locals.length ? track : undefined;
@@ -166,6 +169,7 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
           />
         )}
         <ClockBar clock={clock} />
+        {heights ? <HeightTimeChart jobId={job.id} scene={heights} clock={clock} /> : null}
         {drawn.hasRecord ? <RecordPicture id={job.id} /> : null}
       </div>
       <aside class="pictures-side" aria-label="Selection">

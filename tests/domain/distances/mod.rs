@@ -11,3 +11,4 @@ mod scenes;
 mod siap;
 
 mod t_gospa;
+mod volumes;

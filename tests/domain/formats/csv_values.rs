@@ -209,11 +209,11 @@ fn a_kind_that_is_given_is_not_guessed() {
 
 #[test]
 fn truth_may_be_interleaved() {
-    let text = "time_s,truth_id,x_m,y_m,z_m,vx_mps,vy_mps\n0,10,1,2,0,,\n0,9,3,4,0,5,6\n1,10,7,8,0,0.5,-0.5\n";
+    let text = "time_s,truth_id,x_m,y_m,bearing_deg,vx_mps,vy_mps\n0,10,1,2,0,,\n0,9,3,4,0,5,6\n1,10,7,8,0,0.5,-0.5\n";
     let outcome = read("csv", text).expect("the file is sound");
     assert_eq!(
         outcome.warnings,
-        ["columns kept in the file but not used: z_m"]
+        ["columns kept in the file but not used: bearing_deg"]
     );
     let truth = truth(outcome);
     let [nine, ten] = truth.targets() else {

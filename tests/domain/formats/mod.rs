@@ -9,6 +9,7 @@ mod hostile;
 mod json;
 mod mot;
 mod round_trip;
+mod volumes;
 
 use trackloom_domain::formats::{MAX_FAULTS, ReadOptions, ReadOutcome, format_named};
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};

@@ -1,7 +1,7 @@
 //! What is written reads back as the same dataset, and no bytes make a reader panic.
 
 use super::*;
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Matrix6};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use trackloom_domain::formats::{FORMATS, write_csv, write_json};
@@ -338,7 +338,66 @@ fn tracks_of_bearings(mut set: TrackSet) -> TrackSet {
     set
 }
 
+/// The same truth with its x and its speed eastwards taken for heights, too.
+fn truth_of_volumes(truth: &TruthSet) -> TruthSet {
+    let mut targets = truth.targets().to_vec();
+    for point in targets.iter_mut().flat_map(|target| &mut target.points) {
+        point.position.z = point.position.x;
+        point.velocity = point.velocity.map(|it| Place::new(it.x, it.y, it.x));
+    }
+    TruthSet::new(Space::Volume, targets).expect("it was sound")
+}
+
+/// The same tracks with y taken for a height, too; heights have correlations of their own.
+fn tracks_of_volumes(mut set: TrackSet) -> TrackSet {
+    for point in set.tracks.iter_mut().flat_map(|track| &mut track.points) {
+        let plane = &mut point.estimate;
+        let of_volume = |flat: Covariance| {
+            let diagonal = flat.diagonal();
+            let [x, y, vx, vy] = [diagonal[0], diagonal[1], diagonal[2], diagonal[3]];
+            let mut whole = Matrix6::from_diagonal(&[x, y, x, vx, vy, vy].into());
+            for (row, column) in [(0, 2), (1, 5), (3, 4)] {
+                let correlated = -0.25 * whole[(row, row)].sqrt() * whole[(column, column)].sqrt();
+                (whole[(row, column)], whole[(column, row)]) = (correlated, correlated);
+            }
+            whole
+        };
+        plane.covariance = plane
+            .covariance()
+            .map(of_volume)
+            .as_ref()
+            .map(upper_triangle);
+        plane.position.z = plane.position.y;
+        plane.velocity = plane.velocity.map(|it| Place::new(it.x, it.y, it.x));
+    }
+    set.space = Space::Volume.of_points(!set.tracks.is_empty());
+    set
+}
+
+/// The same recording with these heights of its detections; one at least is there.
+fn detections_of_volumes(recording: Recording, heights: &[Option<f64>]) -> Recording {
+    let mut parts = recording.into_parts();
+    let count = parts.detection_ids.len();
+    parts.z_m = heights.iter().cycle().take(count).copied().collect();
+    Recording::new(parts).expect("it was sound")
+}
+
 proptest! {
+    #[test]
+    fn volumes_survive(
+        truth in truth_set(),
+        set in track_set(),
+        raw in prop::collection::vec(raw_scan(), 8),
+        times in times(0..8),
+        heights in prop::collection::vec(prop::option::of(number()), 1..5),
+    ) {
+        check(&Dataset::Truth(truth_of_volumes(&truth)));
+        check(&Dataset::Tracks(tracks_of_volumes(set)));
+        let names = |name: &str| vec![name.to_owned()];
+        let plane = assemble(names("s"), names("t"), times, raw, true);
+        check(&Dataset::Detections(detections_of_volumes(plane, &heights)));
+    }
+
     #[test]
     fn detections_survive(
         sensors in names(1..4),

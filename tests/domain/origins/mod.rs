@@ -130,7 +130,7 @@ fn check_series(name: &str, metric: &Metric, scope: Scope) {
 }
 
 /// Checks all metrics of a job and of its sequences.
-fn check_all(outcome: &Outcome) -> BTreeSet<String> {
+pub fn check_all(outcome: &Outcome) -> BTreeSet<String> {
     let files = Files::of(outcome);
     let metrics = &outcome.result["metrics"];
     let made = check(metrics, metrics, &files, Scope::default());

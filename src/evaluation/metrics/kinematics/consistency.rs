@@ -5,7 +5,7 @@
 //! e error, P covariance, n numbers in e; N samples; χ²(k, q) the q-quantile with k degrees of freedom.
 //!
 //! # Method
-//! 1. NEES = eᵀ P⁻¹ e, of position (n = 2) and, where velocities are known, of the whole state (n = 4).
+//! 1. NEES = eᵀ P⁻¹ e, of position (n = 2, in a volume 3) and, where velocities are known, of the whole state (n = 4, 6).
 //! 2. The mean of N samples of a consistent filter lies within χ²(N n, ½ ∓ ½ confidence) / N with that confidence, if the
 //!    samples are independent. Those of one track are not over time, so the bounds of the whole are rather too narrow.
 //! 3. NIS (n the numbers of a measurement) has the same mean and bounds. Detections outside the gate are missing from it, so
@@ -16,8 +16,9 @@ use super::Sample;
 use crate::evaluation::metrics::origin::{Origin, PAIRS, SERIES, Statistic};
 use crate::evaluation::metrics::{Quantity, Series};
 use crate::math::gaussian::{Gaussian, chi_square_quantile};
-use crate::model::space::Place;
-use crate::model::state::{Covariance, PositionCovariance, State};
+use crate::model::space::{Place, Space};
+use crate::model::track::Kinematics;
+use nalgebra::{SMatrix, SVector};
 use std::collections::BTreeMap;
 
 /// NEES of one match, and the NIS of its track point.
@@ -29,28 +30,54 @@ pub struct Normalised {
 }
 
 impl Normalised {
+    /// Of errors in `space`, which is that of the estimate, or the plane.
     pub fn new(
+        space: Space,
         error_m: Place,
         error_mps: Option<Place>,
-        covariance: Option<Covariance>,
+        estimate: &Kinematics,
+    ) -> Normalised {
+        if space == Space::Volume {
+            return Normalised::of_axes::<3, 6>(error_m, error_mps, estimate.covariance());
+        }
+        let of_plane = estimate.covariance();
+        let covariance = of_plane.or_else(|| estimate.in_plane().covariance());
+        Normalised::of_axes::<2, 4>(error_m, error_mps, covariance)
+    }
+
+    /// Of K coordinates and the K rates behind them, N numbers in all.
+    fn of_axes<const K: usize, const N: usize>(
+        error_m: Place,
+        error_mps: Option<Place>,
+        covariance: Option<SMatrix<f64, N, N>>,
     ) -> Normalised {
         let Some(covariance) = covariance else {
             return Normalised::default();
         };
-        let block: PositionCovariance = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        let position =
-            Gaussian::new(&block).map(|gaussian| gaussian.squared_distance(&error_m.xy()));
+        let block = covariance.fixed_view::<K, K>(0, 0).into_owned();
+        let position = squared(&block, &SVector::from_fn(|axis, _| error_m[axis]));
         let state = error_mps.and_then(|error_mps| {
-            let error = State::new(error_m.x, error_m.y, error_mps.x, error_mps.y);
-            Gaussian::new(&covariance).map(|gaussian| gaussian.squared_distance(&error))
+            let error = |row: usize, _| match row.checked_sub(K) {
+                Some(axis) => error_mps[axis],
+                None => error_m[row],
+            };
+            squared(&covariance, &SVector::from_fn(error))
         });
-        let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
         Normalised {
-            position: finite(position),
-            state: finite(state),
+            position,
+            state,
             innovation: None,
         }
     }
+}
+
+/// eᵀ P⁻¹ e, where it is a number.
+fn squared<const N: usize>(
+    covariance: &SMatrix<f64, N, N>,
+    error: &SVector<f64, N>,
+) -> Option<f64> {
+    let value = Gaussian::new(covariance)?.squared_distance(error);
+    value.is_finite().then_some(value)
 }
 
 /// One of the kinds of normalised errors, with the names under which it is reported.
@@ -62,8 +89,8 @@ struct Family {
     upper: &'static str,
     within: &'static str,
     samples: &'static str,
-    /// `None`: as many as a measurement has.
-    dimensions: Option<u32>,
+    /// How many numbers it has of each axis; `None`: as many in all as a measurement has.
+    of_axis: Option<u32>,
     reason: &'static str,
     of: fn(&Sample) -> Option<f64>,
 }
@@ -76,7 +103,7 @@ const FAMILIES: [Family; 3] = [
         upper: "nees_position_upper",
         within: "nees_position_steps_within",
         samples: "nees_position_samples",
-        dimensions: Some(2),
+        of_axis: Some(1),
         reason: NO_COVARIANCE,
         of: |sample| sample.normalised.position,
     },
@@ -87,7 +114,7 @@ const FAMILIES: [Family; 3] = [
         upper: "nees_state_upper",
         within: "nees_state_steps_within",
         samples: "nees_state_samples",
-        dimensions: Some(4),
+        of_axis: Some(2),
         reason: NO_COVARIANCE,
         of: |sample| sample.normalised.state,
     },
@@ -98,7 +125,7 @@ const FAMILIES: [Family; 3] = [
         upper: "nis_of_matches_upper",
         within: "nis_of_matches_steps_within",
         samples: "nis_of_matches_samples",
-        dimensions: None,
+        of_axis: None,
         reason: "no matched track says the NIS of its updates",
         of: |sample| sample.normalised.innovation.filter(|nis| nis.is_finite()),
     },
@@ -153,22 +180,30 @@ const NO_COVARIANCE: &str = "no matched track has a covariance that can be inver
 pub struct Consistency {
     confidence: f64,
     measurement_dimensions: u32,
+    /// Of the space.
+    axes: u32,
     bounds: BTreeMap<(u32, usize), (f64, f64)>,
 }
 
 impl Consistency {
-    pub fn new(confidence: f64, measurement_dimensions: u32) -> Consistency {
+    pub fn new(confidence: f64, measurement_dimensions: u32, axes: u32) -> Consistency {
         Consistency {
             confidence,
             measurement_dimensions,
+            axes,
             bounds: BTreeMap::new(),
         }
+    }
+
+    fn dimensions(&self, family: &Family) -> u32 {
+        let of_axes = family.of_axis.map(|numbers| numbers * self.axes);
+        of_axes.unwrap_or(self.measurement_dimensions)
     }
 
     /// Step 2, for the mean of `samples` samples, at least one.
     fn bounds(&mut self, family: &Family, samples: usize) -> (f64, f64) {
         let confidence = self.confidence;
-        let dimensions = family.dimensions.unwrap_or(self.measurement_dimensions);
+        let dimensions = self.dimensions(family);
         *self.bounds.entry((dimensions, samples)).or_insert_with(|| {
             let quantile = |probability| {
                 chi_square_quantile(probability, f64::from(dimensions) * samples as f64)
@@ -237,12 +272,12 @@ impl Consistency {
             value(family.lower)?,
             value(family.upper)?,
         );
-        let due = family.dimensions.unwrap_or(self.measurement_dimensions);
+        let due = self.dimensions(family);
         let factor = (mean / f64::from(due)).sqrt();
         if (lower..=upper).contains(&mean) || (factor - 1.0).abs() <= 0.1 {
             return None;
         }
-        let (what, sigma) = match (family.dimensions, mean > f64::from(due)) {
+        let (what, sigma) = match (family.of_axis, mean > f64::from(due)) {
             (Some(_), true) => (
                 "the tracks are surer than they are right",
                 "covariances of sigma",

@@ -9,10 +9,10 @@
 //! e error, track minus truth; u unit vector of the truth's velocity; P covariance of the track; N samples of n numbers.
 //!
 //! # Method
-//! 1. Every match of the log gives one e. Along the course is e · u, across it (to the right positive) e · (u_y, −u_x);
-//!    neither exists for a truth at rest.
+//! 1. Every match of the log gives one e, along all axes of the space. Along the course over ground is e · u, across it (to the
+//!    right positive) e · (u_y, −u_x); neither exists for a truth at rest, and in a volume the error of height is beside them.
 //! 2. Root mean squares, means (bias), and the smallest position error that 95 % of the matches do not exceed.
-//! 3. [`consistency`]: NEES of position (n = 2) and of the whole state (n = 4), and the NIS that tracks carry.
+//! 3. [`consistency`]: NEES of position (n = 2, in a volume 3) and of the whole state (n = 4, 6), and the NIS that tracks carry.
 
 mod consistency;
 
@@ -83,10 +83,12 @@ impl Metric for Kinematics {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
-        let mut consistency = Consistency::new(self.confidence, self.measurement_dimensions);
+        let has_heights = sequences.iter().any(has_heights);
+        let axes = if has_heights { 3 } else { 2 };
+        let mut consistency = Consistency::new(self.confidence, self.measurement_dimensions, axes);
         let by_sequence: Vec<Vec<Sample>> = sequences.iter().map(samples).collect();
         let all: Vec<&Sample> = by_sequence.iter().flatten().collect();
-        let mut quantities = errors(&all);
+        let mut quantities = errors(&all, has_heights);
         quantities.extend(consistency.summary(&by_sequence));
         let mut report = MetricReport::new(
             "position_rmse",
@@ -99,13 +101,15 @@ impl Metric for Kinematics {
             .iter()
             .all(|sequence| sequence.input.is_none_or(|input| input.recording.is_none()));
         report.warnings = consistency.doubts(&report.quantities, is_nis_told);
-        report.origins = FROM.iter().chain(consistency::FROM).copied().collect();
+        let of_heights = if has_heights { FROM_HEIGHTS } else { &[] };
+        let origins = FROM.iter().chain(of_heights).chain(consistency::FROM);
+        report.origins = origins.copied().collect();
         if let ([sequence], [samples]) = (sequences, &by_sequence[..]) {
             let steps = sequence.comparison.steps.len();
             report.per_truth = truth_lines(sequence, samples, &mut consistency);
             report.series = vec![position_series(samples, steps)];
             report.series.extend(consistency.series(samples, steps));
-            report.pairs = pair_columns(samples);
+            report.pairs = pair_columns(samples, has_heights);
         }
         report
     }
@@ -128,8 +132,17 @@ const FROM: &[Origin] = &[
     rows("y_bias", Statistic::Mean, "y_error"),
 ];
 
+const FROM_HEIGHTS: &[Origin] = &[
+    rows("z_rmse", Statistic::RootMeanSquare, "z_error"),
+    rows("z_bias", Statistic::Mean, "z_error"),
+];
+
+fn has_heights(sequence: &Sequence) -> bool {
+    sequence.comparison.space == Some(Space::Volume)
+}
+
 /// What each match says.
-fn pair_columns(samples: &[Sample]) -> Vec<PairColumn> {
+fn pair_columns(samples: &[Sample], has_heights: bool) -> Vec<PairColumn> {
     let column = |name, unit, of: &dyn Fn(&Sample) -> Option<f64>| {
         let mut cells = Vec::new();
         for sample in samples {
@@ -152,6 +165,7 @@ fn pair_columns(samples: &[Sample]) -> Vec<PairColumn> {
             sample.error_mps.map(|error_mps| error_mps.norm())
         }),
     ];
+    columns.extend(has_heights.then(|| column("z_error", "m", &|sample| Some(sample.error_m.z))));
     columns.extend(consistency::families().map(|(name, of)| column(name, "", &of)));
     columns
 }
@@ -183,12 +197,11 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
             .zip(truth.velocity_mps())
             .map(|(track, truth)| track - truth);
         let point = point_of(sequence, track);
-        let covariance = point.and_then(|point| point.estimate.covariance());
-        let innovation = point.and_then(|point| point.nis);
-        let normalised = Normalised {
-            innovation,
-            ..Normalised::new(error_m, error_mps, covariance)
-        };
+        let space = comparison.space.unwrap_or_default();
+        let normalised = point.map(|point| Normalised {
+            innovation: point.nis,
+            ..Normalised::new(space, error_m, error_mps, &point.estimate)
+        });
         let on_course_m = truth
             .velocity_mps()
             .and_then(|velocity_mps| on_course(error_m.xy(), velocity_mps.xy()));
@@ -199,7 +212,7 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
             error_m,
             error_mps,
             on_course_m,
-            normalised,
+            normalised: normalised.unwrap_or_default(),
         })
     };
     let matches = sequence
@@ -239,7 +252,7 @@ fn on_course(error_m: Position, velocity_mps: Position) -> Option<(f64, f64)> {
 }
 
 /// Step 2.
-fn errors(samples: &[&Sample]) -> Vec<Quantity> {
+fn errors(samples: &[&Sample], has_heights: bool) -> Vec<Quantity> {
     let velocity: Vec<f64> = samples
         .iter()
         .filter_map(|sample| sample.error_mps)
@@ -257,7 +270,7 @@ fn errors(samples: &[&Sample]) -> Vec<Quantity> {
         .collect();
     let x: Vec<f64> = samples.iter().map(|sample| sample.error_m.x).collect();
     let y: Vec<f64> = samples.iter().map(|sample| sample.error_m.y).collect();
-    vec![
+    let mut quantities = vec![
         root_mean("position_rmse", &position_squares(samples), "m", NO_MATCH),
         Quantity::or("position_95", percentile_95(samples), "m", NO_MATCH),
         root_mean("velocity_rmse", &velocity, "m/s", NO_VELOCITY),
@@ -267,8 +280,14 @@ fn errors(samples: &[&Sample]) -> Vec<Quantity> {
         mean("across_bias", &across, "m", NO_COURSE),
         mean("x_bias", &x, "m", NO_MATCH),
         mean("y_bias", &y, "m", NO_MATCH),
-        Quantity::new("matches", samples.len() as f64, ""),
-    ]
+    ];
+    if has_heights {
+        let z: Vec<f64> = samples.iter().map(|sample| sample.error_m.z).collect();
+        quantities.push(root_mean("z_rmse", &squares(&z), "m", NO_MATCH));
+        quantities.push(mean("z_bias", &z, "m", NO_MATCH));
+    }
+    quantities.push(Quantity::new("matches", samples.len() as f64, ""));
+    quantities
 }
 
 fn squares(values: &[f64]) -> Vec<f64> {
@@ -314,7 +333,7 @@ fn truth_lines(
         of_truth[sample.truth as usize].push(sample);
     }
     let line = |(id, samples): (&String, &Vec<&Sample>)| {
-        let mut quantities = errors(samples);
+        let mut quantities = errors(samples, has_heights(sequence));
         quantities.extend(consistency.means(samples));
         Line {
             id: id.clone(),
