@@ -141,6 +141,15 @@ impl Feed {
         self.known.insert((identity, attribute), text);
     }
 
+    /// What is said of a single report, by its index.
+    pub fn said_of(&self, report: usize) -> impl Iterator<Item = (Attribute, &str)> {
+        let first = self.said.partition_point(|said| (said.0 as usize) < report);
+        let of_it = self.said[first..]
+            .iter()
+            .take_while(move |said| said.0 as usize == report);
+        of_it.map(|&(_, attribute, text)| (attribute, self.texts.name(text)))
+    }
+
     /// Counts units that are sound, but nothing that was asked for.
     pub fn ignore(&mut self, kind: &str, units: u64) {
         self.units.ignore(kind, units);
