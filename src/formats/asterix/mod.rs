@@ -6,6 +6,7 @@
 
 mod capture;
 mod editions;
+pub mod encode;
 mod framing;
 mod gather;
 mod items;
