@@ -1,6 +1,7 @@
 //! ASTERIX: real recordings where they are at hand, files that the encoder wrote, and files that are broken.
 
 mod broken;
+mod categories;
 mod encoder;
 mod framings;
 mod judges;
