@@ -42,6 +42,10 @@ pub const FAULT_CODES: &[(&str, &str)] = &[
         "rejected",
         "more units of the file are wrong than may be, for one reason",
     ),
+    (
+        "unsupported_edition",
+        "the records are of an edition of their format that is not read",
+    ),
 ];
 
 /// A fault in a request or a file. `pointer` is a JSON pointer into the request ("" is the whole body);

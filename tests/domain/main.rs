@@ -6,6 +6,7 @@ mod flights;
 mod random_tracks;
 
 mod associators;
+mod asterix;
 mod bad_association_input;
 mod bearing_time;
 mod bearings;

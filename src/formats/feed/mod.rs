@@ -254,8 +254,8 @@ impl Feed {
         Err(units.rejections().into_iter().map(fault).collect())
     }
 
-    /// What is said of single reports, in their order.
-    fn said_of(&self, report: usize) -> impl Iterator<Item = (Attribute, &str)> {
+    /// What is said of a single report, by its index.
+    pub fn said_of(&self, report: usize) -> impl Iterator<Item = (Attribute, &str)> {
         let first = self.said.partition_point(|said| (said.0 as usize) < report);
         let of_it = self.said[first..]
             .iter()
