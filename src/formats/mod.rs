@@ -5,6 +5,8 @@ mod autoferry_items;
 mod autoferry_sensors;
 mod bearing_time;
 mod clock;
+#[cfg(feature = "parquet")]
+mod columnar;
 pub mod csv;
 mod disorder;
 pub mod feed;
@@ -17,6 +19,7 @@ mod loose;
 pub mod mot;
 pub mod npy;
 mod options;
+pub mod out;
 mod reading;
 mod table;
 
@@ -24,6 +27,7 @@ pub use self::csv::write_csv;
 pub use json::write_json;
 pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};
+pub use out::{WRITERS, WriteError, Writer, writer_named};
 pub use reading::{Identity, Reading, SensorSite};
 
 use crate::model::dataset::{Dataset, DatasetKind};
@@ -93,6 +97,10 @@ pub const FORMATS: &[Format] = &[
     autoferry::FORMAT,
     mot::FORMAT,
     npy::FORMAT,
+    #[cfg(feature = "parquet")]
+    columnar::PARQUET,
+    #[cfg(feature = "parquet")]
+    columnar::ARROW,
 ];
 
 /// The format of that name.
@@ -102,10 +110,17 @@ pub fn format_named(name: &str) -> Option<&'static Format> {
 
 /// The format of a file by its first bytes, or by its name where they say nothing: JSON starts with `{` or `[`, and is of
 /// autoferry where it is an array of arrays or names what those files have; MOTChallenge text starts with a number, NumPy
-/// arrays with their magic; any other text is CSV. `None` for other bytes that are no text.
+/// arrays, Parquet and Arrow with their magic; any other text is CSV. `None` for other bytes that are no text.
 pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static Format> {
     if first_bytes.starts_with(npy::MAGIC) {
         return format_named("npy");
+    }
+    if first_bytes.starts_with(b"PAR1") {
+        return format_named("parquet");
+    }
+    // The magic of a file, the first message of a stream.
+    if first_bytes.starts_with(b"ARROW1") || first_bytes.starts_with(&[0xff; 4]) {
+        return format_named("arrow");
     }
     let text = first_bytes
         .strip_prefix(b"\xef\xbb\xbf")
@@ -199,6 +214,10 @@ mod tests {
         );
         assert_eq!(detect("a", b""), Some("csv"));
         assert_eq!(detect("a", b"\x93NUMPY\x01\x00"), Some("npy"));
+        let built = cfg!(feature = "parquet");
+        assert_eq!(detect("a", b"PAR1\x15\x04"), built.then_some("parquet"));
+        assert_eq!(detect("a", b"ARROW1\0\0\xff"), built.then_some("arrow"));
+        assert_eq!(detect("a", b"\xff\xff\xff\xff\x80\x01"), built.then_some("arrow"));
         assert_eq!(detect("a.csv", b"PK\x03\x04\x00\x00"), None);
     }
 }

@@ -164,6 +164,16 @@ impl Dataset {
         }
     }
 
+    /// Says where on the Earth its origin is; boxes and bearing-time records have none.
+    pub fn place_at(&mut self, frame: Frame) {
+        match self {
+            Dataset::Detections(recording) => recording.place_at(frame),
+            Dataset::Truth(truth) => truth.frame = Some(frame),
+            Dataset::Tracks(tracks) => tracks.frame = Some(frame),
+            Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) | Dataset::BearingTime(_) => {}
+        }
+    }
+
     pub fn set_time_base(&mut self, base: TimeBase) {
         match self {
             Dataset::Detections(recording) => recording.set_time_base(base),

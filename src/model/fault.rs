@@ -38,6 +38,10 @@ pub const FAULT_CODES: &[(&str, &str)] = &[
         "what is asked for cannot be done with this input",
     ),
     ("not_found", "what is named does not exist"),
+    (
+        "no_frame",
+        "the data do not say where on the Earth their origin is",
+    ),
 ];
 
 /// A fault in a request or a file. `pointer` is a JSON pointer into the request ("" is the whole body);

@@ -217,6 +217,11 @@ impl Recording {
         self.0
     }
 
+    /// Says where on the Earth its origin is.
+    pub fn place_at(&mut self, frame: Frame) {
+        self.0.frame = Some(frame);
+    }
+
     pub fn set_time_base(&mut self, base: TimeBase) {
         self.0.time_base = base;
     }
