@@ -15,7 +15,7 @@ use arrow_schema::{ArrowError, DataType, Schema};
 use bytes::Bytes;
 use cells::Cells;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 pub const PARQUET: Format = Format {
@@ -36,10 +36,8 @@ pub const ARROW: Format = Format {
     read: read_arrow,
 };
 
-pub const PARQUET_MAGIC: &[u8] = b"PAR1";
-pub const ARROW_MAGIC: &[u8] = b"ARROW1\0\0";
-/// Of a message of a stream; its length follows.
-pub const ARROW_MESSAGE: &[u8] = &[0xff; 4];
+/// Of a file; a stream begins with its first message.
+const ARROW_MAGIC: &[u8] = b"ARROW1\0\0";
 
 const BATCH_ROWS: usize = 8192;
 /// No table has more rows a byte than this: a file that says so wants to be read for ever.
@@ -53,7 +51,10 @@ fn read_parquet(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOu
         let rows = builder.metadata().file_metadata().num_rows();
         check_rows(u64::try_from(rows).unwrap_or(u64::MAX), size)?;
         let schema = builder.schema().clone();
-        let batches = builder.with_batch_size(BATCH_ROWS).build().map_err(damaged)?;
+        let batches = builder
+            .with_batch_size(BATCH_ROWS)
+            .build()
+            .map_err(damaged)?;
         read_batches(&schema, Box::new(batches), size, options)
     })
 }
@@ -65,7 +66,11 @@ fn read_arrow(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutc
         let mut stream = Stream::open(bytes)?;
         let first = stream.next_batch().map_err(damaged)?;
         let schema = stream.decoder.schema().ok_or_else(|| {
-            vec![Fault::new("/file", "malformed", "the file ends before its columns are named")]
+            vec![Fault::new(
+                "/file",
+                "malformed",
+                "the file ends before its columns are named",
+            )]
         })?;
         let batches = first.map(Ok).into_iter().chain(stream);
         read_batches(&schema, Box::new(batches), size, options)
@@ -117,14 +122,20 @@ fn footer_start(bytes: &[u8]) -> Result<usize, ArrowError> {
     let cut = || ArrowError::ParseError("the file is cut off".to_owned());
     let trailer = bytes.last_chunk::<10>().ok_or_else(cut)?;
     let footer = read_footer_length(*trailer)?;
-    (bytes.len() - trailer.len()).checked_sub(footer).ok_or_else(cut)
+    (bytes.len() - trailer.len())
+        .checked_sub(footer)
+        .ok_or_else(cut)
 }
 
 fn whole(input: &mut dyn BufRead) -> Result<Vec<u8>, Vec<Fault>> {
     let mut bytes = Vec::new();
-    input
-        .read_to_end(&mut bytes)
-        .map_err(|error| vec![Fault::new("/file", "malformed", format!("the file cannot be read: {error}"))])?;
+    input.read_to_end(&mut bytes).map_err(|error| {
+        vec![Fault::new(
+            "/file",
+            "malformed",
+            format!("the file cannot be read: {error}"),
+        )]
+    })?;
     Ok(bytes)
 }
 
@@ -147,7 +158,9 @@ fn check_rows(rows: u64, bytes: u64) -> Result<(), Vec<Fault>> {
         return Ok(());
     }
     let detail = format!("the file has {bytes} bytes and says that it has {rows} rows");
-    Err(vec![Fault::new("/file", "too_large", detail).allowing(format!("<= {most} rows"))])
+    Err(vec![
+        Fault::new("/file", "too_large", detail).allowing(format!("<= {most} rows")),
+    ])
 }
 
 type Batches = Box<dyn Iterator<Item = Result<RecordBatch, ArrowError>>>;
@@ -187,10 +200,15 @@ fn check_columns(schema: &Schema) -> Result<(), Vec<Fault>> {
     if fields.len() > MAX_COLUMNS || bytes > MAX_HEADER_BYTES {
         let detail = format!("the file names {} columns in {bytes} bytes", fields.len());
         let allowed = format!("<= {MAX_COLUMNS} columns in <= {MAX_HEADER_BYTES} bytes");
-        return Err(vec![Fault::new("/file", "too_large", detail).allowing(allowed)]);
+        return Err(vec![
+            Fault::new("/file", "too_large", detail).allowing(allowed),
+        ]);
     }
     let mut faults = FaultLog::default();
-    for field in fields.iter().filter(|field| !cells::is_readable(field.data_type())) {
+    for field in fields
+        .iter()
+        .filter(|field| !cells::is_readable(field.data_type()))
+    {
         let (name, found) = (field.name(), type_name(field.data_type()));
         let detail = format!("column '{name}' is of the type {found}: no cell of a table is");
         let pointer = format!("/file/columns/{}", pointer_token(name));
@@ -202,7 +220,9 @@ fn check_columns(schema: &Schema) -> Result<(), Vec<Fault>> {
 /// Without what is inside of it.
 fn type_name(found: &DataType) -> String {
     let text = format!("{found:?}");
-    text.chars().take_while(|letter| letter.is_alphanumeric()).collect()
+    text.chars()
+        .take_while(|letter| letter.is_alphanumeric())
+        .collect()
 }
 
 struct BatchRows {
@@ -224,12 +244,21 @@ struct BatchRows {
 
 impl BatchRows {
     fn new(schema: &Schema, batches: Batches, bytes: u64, own: Option<&Metadata>) -> Self {
-        let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
+        let names: Vec<&str> = schema
+            .fields()
+            .iter()
+            .map(|field| field.name().as_str())
+            .collect();
         // Of a file of our own x and y say more exactly what latitude and longitude say, too.
         let is_twice = own.is_some_and(|own| own.frame.is_some()) && names.contains(&"x_m");
         let is_shown = |name: &str| !(is_twice && matches!(name, "lat_deg" | "lon_deg"));
-        let columns: Vec<usize> = (0..names.len()).filter(|place| is_shown(names[*place])).collect();
-        let mut shown: Vec<String> = columns.iter().map(|place| names[*place].to_owned()).collect();
+        let columns: Vec<usize> = (0..names.len())
+            .filter(|place| is_shown(names[*place]))
+            .collect();
+        let mut shown: Vec<String> = columns
+            .iter()
+            .map(|place| names[*place].to_owned())
+            .collect();
         let mut seconds = None;
         if own.is_some_and(|own| own.time_base.is_utc()) {
             seconds = shown.iter().position(|name| name == "time");
@@ -264,7 +293,9 @@ impl BatchRows {
                     return false;
                 }
                 Some(Err(error)) => {
-                    damaged(error).into_iter().for_each(|fault| faults.push(fault));
+                    damaged(error)
+                        .into_iter()
+                        .for_each(|fault| faults.push(fault));
                     return false;
                 }
             };

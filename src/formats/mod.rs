@@ -217,7 +217,10 @@ mod tests {
         let built = cfg!(feature = "parquet");
         assert_eq!(detect("a", b"PAR1\x15\x04"), built.then_some("parquet"));
         assert_eq!(detect("a", b"ARROW1\0\0\xff"), built.then_some("arrow"));
-        assert_eq!(detect("a", b"\xff\xff\xff\xff\x80\x01"), built.then_some("arrow"));
+        assert_eq!(
+            detect("a", b"\xff\xff\xff\xff\x80\x01"),
+            built.then_some("arrow")
+        );
         assert_eq!(detect("a.csv", b"PK\x03\x04\x00\x00"), None);
     }
 }

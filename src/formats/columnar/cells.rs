@@ -133,9 +133,7 @@ fn values(column: &ArrayRef, as_seconds: bool) -> Values {
         DataType::UInt8 => whole(column.as_primitive::<UInt8Type>()),
         DataType::UInt16 => whole(column.as_primitive::<UInt16Type>()),
         DataType::UInt32 => whole(column.as_primitive::<UInt32Type>()),
-        DataType::UInt64 => {
-            Values::WholeUnsigned(column.as_primitive::<UInt64Type>().clone())
-        }
+        DataType::UInt64 => Values::WholeUnsigned(column.as_primitive::<UInt64Type>().clone()),
         DataType::Float32 => Values::Single(column.as_primitive::<Float32Type>().clone()),
         DataType::Float64 => Values::Double(column.as_primitive::<Float64Type>().clone()),
         DataType::Date32 => Values::Days(column.as_primitive::<Date32Type>().clone()),
@@ -161,17 +159,26 @@ where
 
 fn instants(column: &ArrayRef, unit: TimeUnit, has_zone: bool, as_seconds: bool) -> Values {
     let (counts, ticks): (Int64Array, i64) = match unit {
-        TimeUnit::Second => (column.as_primitive::<TimestampSecondType>().unary(|at| at), 1),
+        TimeUnit::Second => (
+            column.as_primitive::<TimestampSecondType>().unary(|at| at),
+            1,
+        ),
         TimeUnit::Millisecond => (
-            column.as_primitive::<TimestampMillisecondType>().unary(|at| at),
+            column
+                .as_primitive::<TimestampMillisecondType>()
+                .unary(|at| at),
             1_000,
         ),
         TimeUnit::Microsecond => (
-            column.as_primitive::<TimestampMicrosecondType>().unary(|at| at),
+            column
+                .as_primitive::<TimestampMicrosecondType>()
+                .unary(|at| at),
             1_000_000,
         ),
         TimeUnit::Nanosecond => (
-            column.as_primitive::<TimestampNanosecondType>().unary(|at| at),
+            column
+                .as_primitive::<TimestampNanosecondType>()
+                .unary(|at| at),
             1_000_000_000,
         ),
     };

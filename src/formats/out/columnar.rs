@@ -7,13 +7,13 @@ use super::earth::Earth;
 use super::{WriteError, refusal};
 use crate::formats::table::{self, Interner, Sink};
 use crate::model::dataset::{Dataset, DatasetKind};
-use crate::model::space::{Frame, Place, Space};
+use crate::model::space::{Frame, Place};
 use crate::model::time::TimeBase;
 use arrow_array::{
     ArrayRef, DictionaryArray, Float64Array, Int32Array, RecordBatch, StringArray,
     TimestampMicrosecondArray, UInt32Array,
 };
-use arrow_schema::{DataType, Field, Schema, TimeUnit};
+use arrow_schema::{Field, Schema};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::io;
@@ -57,7 +57,10 @@ pub fn batch(dataset: &Dataset, format: &str) -> Result<RecordBatch, WriteError>
         fields.push(field(name, &array));
         arrays.push(array);
     }
-    for (name, values) in places.into_iter().flat_map(|(lat, lon)| [("lat_deg", lat), ("lon_deg", lon)]) {
+    for (name, values) in places
+        .into_iter()
+        .flat_map(|(lat, lon)| [("lat_deg", lat), ("lon_deg", lon)])
+    {
         let array: ArrayRef = Arc::new(Float64Array::from(values));
         fields.push(field(name, &array));
         arrays.push(array);
@@ -78,7 +81,8 @@ pub fn batch(dataset: &Dataset, format: &str) -> Result<RecordBatch, WriteError>
 const WHOLE: &[&str] = &["scan"];
 
 fn refuse(format: &str) -> WriteError {
-    let detail = format!("a bearing-time record is a matrix, '{format}' holds tables of named columns");
+    let detail =
+        format!("a bearing-time record is a matrix, '{format}' holds tables of named columns");
     refusal("unsupported", detail).allowing("csv").into()
 }
 
@@ -98,7 +102,9 @@ fn instants(times_s: &[Option<f64>]) -> Result<ArrayRef, WriteError> {
         }
         micros.push((time_s * 1e6).round() as i64);
     }
-    Ok(Arc::new(TimestampMicrosecondArray::from(micros).with_timezone("UTC")))
+    Ok(Arc::new(
+        TimestampMicrosecondArray::from(micros).with_timezone("UTC"),
+    ))
 }
 
 fn whole(values: &[Option<f64>]) -> ArrayRef {

@@ -27,6 +27,7 @@ impl Earth {
     /// `no_frame` of a dataset that does not know where its origin is.
     pub fn of(dataset: &Dataset, format: &str) -> Result<Earth, Fault> {
         let space = match dataset {
+            Dataset::Detections(recording) if recording.is_in_volume() => Space::Volume,
             Dataset::Detections(_) => Space::Plane,
             Dataset::Truth(truth) => truth.space(),
             Dataset::Tracks(set) => set.space,
@@ -37,6 +38,14 @@ impl Earth {
         }
         let frame = dataset.frame().ok_or_else(|| no_frame(format))?;
         Ok(Earth::about(&frame, space))
+    }
+
+    /// What heights count from: of a volume the ellipsoid, else nobody said.
+    pub fn altitude_reference(&self) -> &'static str {
+        match self.space {
+            Space::Volume => "ellipsoid",
+            _ => "unknown",
+        }
     }
 
     pub fn about(frame: &Frame, space: Space) -> Earth {

@@ -76,7 +76,7 @@ fn write(dataset: &Dataset, shape: Shape, out: &mut dyn Write) -> Result<(), Wri
     let earth = Earth::of(dataset, shape.name())?;
     let mut features = Features {
         shape,
-        altitude: altitude_reference(dataset),
+        altitude: earth.altitude_reference(),
         time_base: dataset.time_base(),
         text: String::new(),
         is_first: true,
@@ -93,21 +93,6 @@ fn write(dataset: &Dataset, shape: Shape, out: &mut dyn Write) -> Result<(), Wri
     }
     features.out.write_all(b"\n]}\n")?;
     Ok(())
-}
-
-/// What heights are above: of a volume the ellipsoid, else nobody said.
-fn altitude_reference(dataset: &Dataset) -> &'static str {
-    use crate::model::space::Space;
-    let space = match dataset {
-        Dataset::Truth(truth) => truth.space(),
-        Dataset::Tracks(set) => set.space,
-        _ => Space::Plane,
-    };
-    if space == Space::Volume {
-        "ellipsoid"
-    } else {
-        "unknown"
-    }
 }
 
 struct Features<'a> {

@@ -25,6 +25,7 @@ pub const ARROW: Writer = Writer {
 };
 
 fn refuse(_: &Dataset, _: &mut dyn Write) -> Result<(), WriteError> {
-    let detail = "this program is built without the feature parquet (cargo build --features parquet)";
+    let detail =
+        "this program is built without the feature parquet (cargo build --features parquet)";
     Err(refusal("unsupported", detail).into())
 }

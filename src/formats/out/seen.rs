@@ -42,9 +42,10 @@ pub fn for_each(
         for (index, detection) in (first..).zip(&scan.detections) {
             let time_s = time_of(recording, scan, index);
             let place_m = place_of(recording, scan, detection, places_m[scan.sensor])?;
+            let z_m = recording.z_m.get(index).copied().flatten();
             let height_m = recording.beside.heights_m.get(index).copied().flatten();
             let spot = place_m
-                .map(|place_m| earth.spot(time_s, &place_m.push(0.0), height_m))
+                .map(|place_m| earth.spot(time_s, &place_m.push(z_m.unwrap_or_default()), height_m))
                 .transpose()?;
             let labels = recording.beside.attributes.iter();
             use_one(Seen {

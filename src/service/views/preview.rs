@@ -79,6 +79,7 @@ fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
         detection_ids: recording.detection_ids[..count].to_vec(),
         targets: recording.targets.clone(),
         origins_known: recording.origins_known,
+        ..RecordingParts::default()
     };
     Recording::new(parts).expect("the head of a sound recording is sound")
 }
@@ -123,6 +124,7 @@ fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
         candidates: set.candidates.clone(),
         detection_ids: set.detection_ids.clone(),
         sensor_ids: set.sensor_ids.clone(),
+        ..TrackSet::default()
     }
 }
 
