@@ -6,6 +6,8 @@ mod autoferry_items;
 mod autoferry_sensors;
 mod bearing_time;
 mod clock;
+#[cfg(feature = "parquet")]
+mod columnar;
 pub mod csv;
 mod dialect;
 mod disorder;
@@ -20,6 +22,7 @@ mod loose;
 pub mod mot;
 pub mod npy;
 mod options;
+pub mod out;
 mod packed;
 mod reading;
 mod table;
@@ -29,6 +32,7 @@ pub use self::csv::write_csv;
 pub use json::write_json;
 pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};
+pub use out::{WRITERS, WriteError, Writer, writer_named};
 pub use reading::{Identity, Reading, SensorSite};
 pub use told::detect_format;
 
@@ -142,6 +146,10 @@ pub const FORMATS: &[Format] = &[
     autoferry::FORMAT,
     mot::FORMAT,
     npy::FORMAT,
+    #[cfg(feature = "parquet")]
+    columnar::PARQUET,
+    #[cfg(feature = "parquet")]
+    columnar::ARROW,
 ];
 
 /// The format of that name.
@@ -226,6 +234,13 @@ mod tests {
         );
         assert_eq!(detect("a", b""), Some("csv"));
         assert_eq!(detect("a", b"\x93NUMPY\x01\x00"), Some("npy"));
+        let built = cfg!(feature = "parquet");
+        assert_eq!(detect("a", b"PAR1\x15\x04"), built.then_some("parquet"));
+        assert_eq!(detect("a", b"ARROW1\0\0\xff"), built.then_some("arrow"));
+        assert_eq!(
+            detect("a", b"\xff\xff\xff\xff\x80\x01"),
+            built.then_some("arrow")
+        );
         assert_eq!(detect("a.csv", b"PK\x03\x04\x00\x00"), None);
     }
 }

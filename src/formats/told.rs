@@ -42,6 +42,11 @@ fn of_bytes(bytes: &[u8]) -> Option<&'static str> {
             .is_some_and(|kind| (b'1'..=b'4').contains(kind));
     if bytes.starts_with(npy::MAGIC) {
         Some("npy")
+    } else if bytes.starts_with(b"PAR1") {
+        Some("parquet")
+    } else if bytes.starts_with(b"ARROW1") || bytes.starts_with(&[0xff; 4]) {
+        // The magic of a file, the first message of a stream.
+        Some("arrow")
     } else if CAPTURES.iter().any(|magic| bytes.starts_with(magic)) || are_blocks(bytes) {
         Some("asterix")
     } else {

@@ -5,6 +5,7 @@ use super::boxes::BoxSet;
 use super::facts::RecordingFacts;
 use super::fault::Fault;
 use super::scan::Recording;
+use super::sensor::SensorSettings;
 use super::space::Frame;
 use super::time::TimeBase;
 use super::track::TrackSet;
@@ -161,6 +162,23 @@ impl Dataset {
             Dataset::Truth(truth) => truth.frame,
             Dataset::Tracks(tracks) => tracks.frame,
             Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) | Dataset::BearingTime(_) => None,
+        }
+    }
+
+    /// Says where on the Earth its origin is; boxes and bearing-time records have none.
+    pub fn place_at(&mut self, frame: Frame) {
+        match self {
+            Dataset::Detections(recording) => recording.place_at(frame),
+            Dataset::Truth(truth) => truth.frame = Some(frame),
+            Dataset::Tracks(tracks) => tracks.frame = Some(frame),
+            Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) | Dataset::BearingTime(_) => {}
+        }
+    }
+
+    /// Adds what is known of the sensors of detections besides; it goes before what they say themselves.
+    pub fn describe_sensors(&mut self, known: &[SensorSettings]) {
+        if let Dataset::Detections(recording) = self {
+            recording.describe_sensors(known);
         }
     }
 

@@ -46,6 +46,10 @@ pub const FAULT_CODES: &[(&str, &str)] = &[
         "unsupported_edition",
         "the records are of an edition of their format that is not read",
     ),
+    (
+        "no_frame",
+        "the data do not say where on the Earth their origin is",
+    ),
 ];
 
 /// A fault in a request or a file. `pointer` is a JSON pointer into the request ("" is the whole body);

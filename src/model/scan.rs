@@ -217,6 +217,21 @@ impl Recording {
         self.0
     }
 
+    /// Says where on the Earth its origin is.
+    pub fn place_at(&mut self, frame: Frame) {
+        self.0.frame = Some(frame);
+    }
+
+    /// Adds what is known of the sensors besides; it goes before what they say themselves.
+    pub fn describe_sensors(&mut self, known: &[SensorSettings]) {
+        for sensor in &mut self.0.sensors {
+            let same = |known: &&SensorSettings| known.sensor_id == sensor.sensor_id;
+            if let Some(known) = known.iter().find(same) {
+                *sensor = sensor.overridden_by(known);
+            }
+        }
+    }
+
     pub fn set_time_base(&mut self, base: TimeBase) {
         self.0.time_base = base;
     }

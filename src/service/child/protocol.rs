@@ -49,6 +49,12 @@ pub enum Order {
         input: InputFile,
         rows: usize,
     },
+    /// Writes a dataset into the file `path`, in a format of `formats::WRITERS`.
+    Write {
+        input: InputFile,
+        format: String,
+        path: PathBuf,
+    },
     /// A job that is no campaign. Its files go into `directory`.
     Job {
         id: Uuid,
@@ -83,7 +89,9 @@ impl Order {
             Order::Runs { campaign, .. }
             | Order::Look { campaign, .. }
             | Order::SoFar { campaign, .. } => Some(campaign.id),
-            Order::Check(_) | Order::Preview { .. } | Order::Job { .. } => None,
+            Order::Check(_) | Order::Preview { .. } | Order::Write { .. } | Order::Job { .. } => {
+                None
+            }
         }
     }
 }
@@ -125,6 +133,8 @@ pub struct Runs {
 pub enum Made {
     Checked(Checked),
     Preview(Box<RawValue>),
+    /// The file that was named is there.
+    Written,
     Files {
         files: Vec<MadeFile>,
         warnings: Vec<String>,

@@ -5,7 +5,7 @@ use super::input::{InputFile, faults_or_memory, open};
 use super::protocol::{Checked, Made, MadeFile, Order, Upload};
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::{self, Artifact, Inputs, JobKind, Plan};
-use crate::formats::{FORMATS, ReadOptions, format_named, read_file};
+use crate::formats::{FORMATS, ReadOptions, WriteError, format_named, read_file, writer_named};
 use crate::model::dataset::DatasetSummary;
 use crate::model::fault::Fault;
 use crate::service::child::Failure;
@@ -17,7 +17,8 @@ use crate::service::views::preview;
 use anyhow::Context;
 use serde_json::Value;
 use serde_json::value::to_raw_value;
-use std::io::BufReader;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use uuid::Uuid;
 
@@ -32,6 +33,11 @@ pub(super) fn work(
         Order::Preview { input, rows } => Ok(Made::Preview(
             to_raw_value(&preview::of(&input.read()?, rows)).map_err(internal)?,
         )),
+        Order::Write {
+            input,
+            format,
+            path,
+        } => write_as(&input, &format, &path),
         Order::Job {
             id,
             kind,
@@ -104,6 +110,22 @@ fn unknown_format(detail: String) -> Failure {
     Failure::Faults(vec![
         Fault::new("/meta/format", "unknown_value", detail).allowing(known),
     ])
+}
+
+/// Writes a dataset in another format.
+fn write_as(input: &InputFile, format: &str, path: &Path) -> Result<Made, Failure> {
+    let writer = writer_named(format).with_context(|| format!("there is no writer '{format}'"))?;
+    let mut dataset = input.read()?;
+    dataset.describe_sensors(&input.content.sensors);
+    let file = File::create(path).context("cannot write a dataset")?;
+    let mut out = BufWriter::with_capacity(1 << 16, file);
+    match writer.put(&dataset, &mut out) {
+        Err(WriteError::Faults(faults)) => return Err(Failure::Faults(faults)),
+        Err(WriteError::Output(error)) => return Err(Failure::Internal(error.into())),
+        Ok(()) => {}
+    }
+    out.flush().context("cannot write a dataset")?;
+    Ok(Made::Written)
 }
 
 /// Loads, runs and reports.

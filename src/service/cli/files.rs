@@ -29,7 +29,7 @@ pub(super) struct JobFile {
 }
 
 #[derive(Debug, Clone, Deserialize)]
-struct FileSource {
+pub(super) struct FileSource {
     /// Always `file`.
     #[serde(rename = "source")]
     _source: String,
@@ -45,7 +45,7 @@ struct FileSource {
 
 const TEXT: Kind = Kind::Text { max_length: 4096 };
 
-static FILE_SOURCE: Object = Object {
+pub(super) static FILE_SOURCE: Object = Object {
     name: "FileSource",
     summary: "A file, relative to the job file.",
     fields: &FILE_FIELDS,
@@ -211,7 +211,20 @@ impl JobFile {
         role: DatasetKind,
         warnings: &mut Vec<String>,
     ) -> Result<Input, Vec<Fault>> {
-        let path = self.folder.join(&file.path);
+        file.read(&self.folder, Some(role), warnings)
+    }
+}
+
+impl FileSource {
+    /// Reads the file, whose path is relative to the folder.
+    pub(super) fn read(
+        &self,
+        folder: &Path,
+        kind: Option<DatasetKind>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Input, Vec<Fault>> {
+        let file = self;
+        let path = folder.join(&file.path);
         let bytes = std::fs::read(&path).map_err(|error| {
             vec![Fault::new(
                 "/path",
@@ -224,7 +237,7 @@ impl JobFile {
             None => None,
         };
         let options = ReadOptions {
-            kind: Some(role),
+            kind,
             columns: file.columns.clone(),
             options: file.options.clone(),
         };

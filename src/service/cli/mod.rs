@@ -2,6 +2,7 @@
 
 mod access;
 mod catalogue;
+mod convert;
 mod demo;
 mod files;
 mod run;
@@ -37,6 +38,8 @@ enum Command {
     Worker(WorkerArguments),
     /// Run one job without a server
     Run(run::RunArguments),
+    /// Read a file of detections, truth or tracks, and write it in another format
+    Convert(convert::ConvertArguments),
     /// Run the tour: a simulated scene and a radar recording, judged; then serve the dashboard with both
     Demo {
         #[command(flatten)]
@@ -206,6 +209,7 @@ pub fn main() -> ExitCode {
         Command::Serve(arguments) => blocking(crate::service::server::serve(arguments.config())),
         Command::Worker(arguments) => blocking(crate::service::server::work(arguments.config())),
         Command::Run(arguments) => return run::run(&arguments),
+        Command::Convert(arguments) => return convert::convert(&arguments),
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
         Command::Methods(arguments) => return catalogue::print_methods(&arguments),
         Command::Presets(arguments) => return catalogue::print_presets(&arguments),

@@ -53,8 +53,8 @@ enum Format {
     Text,
 }
 
-/// Why there is no report.
-enum Trouble {
+/// Why there is no report, or no file.
+pub(super) enum Trouble {
     Faults(Vec<Fault>),
     Failed(anyhow::Error),
 }
@@ -72,10 +72,15 @@ impl From<anyhow::Error> for Trouble {
 }
 
 pub(super) fn run(arguments: &RunArguments) -> ExitCode {
-    match finish(arguments) {
+    end(finish(arguments), "the job is not valid")
+}
+
+/// Says what is wrong; `invalid` is the head of faults.
+pub(super) fn end(done: Result<(), Trouble>, invalid: &str) -> ExitCode {
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(Trouble::Faults(faults)) => {
-            eprintln!("trackloom: the job is not valid");
+            eprintln!("trackloom: {invalid}");
             for fault in &faults {
                 eprintln!("  {}", fault_line(fault));
             }

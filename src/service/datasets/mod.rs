@@ -14,7 +14,7 @@ pub use super::storage::blobs::{Content, ReceivedFile};
 use super::storage::{NoSweeping, Page, Storage, StoredDataset};
 use super::types::{DatasetInfo, DatasetPage};
 use crate::experiment::Known;
-use crate::formats::format_named;
+use crate::formats::{Writer, format_named};
 use crate::model::dataset::{DatasetKind, DatasetSummary};
 use anyhow::Context;
 use serde_json::value::RawValue;
@@ -32,6 +32,14 @@ pub struct StoredFile {
     pub media_type: String,
     pub bytes: u64,
     pub sha256: String,
+    /// What to call it when it is saved.
+    pub file_name: String,
+}
+
+/// A file that was written for one answer.
+pub struct WrittenFile {
+    pub file: std::fs::File,
+    pub media_type: &'static str,
     /// What to call it when it is saved.
     pub file_name: String,
 }
@@ -183,6 +191,41 @@ impl Datasets {
             Made::Preview(preview) => Ok(preview),
             made => Err(unexpected(&made).into()),
         }
+    }
+
+    /// The dataset in another format. The file has no name: it goes with the answer.
+    pub async fn written(&self, id: Uuid, writer: &Writer) -> Result<WrittenFile, ServiceError> {
+        let stored = self.stored(id).await?;
+        let name = stored.file_name.clone();
+        let name = name.unwrap_or_else(|| stored.info.name.clone());
+        let located = Located::new(self.blobs.clone(), stored);
+        let place = self.temp_dir().to_owned();
+        let prepare = move || {
+            let input = located.local()?;
+            anyhow::Ok((input, tempfile::NamedTempFile::new_in(place)?))
+        };
+        let (input, file) = spawn_blocking(prepare)
+            .await
+            .context("fetching a file panicked")??;
+        let order = Order::Write {
+            input,
+            format: writer.name.to_owned(),
+            path: file.path().to_owned(),
+        };
+        match self.looks.ask(order, "writing the dataset").await? {
+            Made::Written => {}
+            made => return Err(unexpected(&made).into()),
+        }
+        let opened = spawn_blocking(move || file.reopen().context("a written file is gone"))
+            .await
+            .context("opening a file panicked")??;
+        let stem = Path::new(&name).file_stem();
+        let stem = stem.map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned());
+        Ok(WrittenFile {
+            file: opened,
+            media_type: writer.media_type,
+            file_name: format!("{stem}.{}", writer.extension),
+        })
     }
 
     /// The content of a blob of so many bytes.

@@ -1,7 +1,7 @@
 //! Entity tags, answers that have not changed, and ranges of files.
 
 use super::query::encoded;
-use crate::service::datasets::StoredFile;
+use crate::service::datasets::{StoredFile, WrittenFile};
 use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::storage::blobs::{Content, sha256_hex};
 use axum::Json;
@@ -90,6 +90,21 @@ pub async fn stored(request: &HeaderMap, file: StoredFile, as_attachment: bool) 
             &disposition(&file.file_name),
         );
     }
+    Ok(response)
+}
+
+/// A file that was written for this answer: whole, and not kept.
+pub async fn written(written: WrittenFile) -> ApiResult {
+    let file = tokio::fs::File::from_std(written.file);
+    let bytes = file.metadata().await.map_err(ApiError::internal)?.len();
+    let mut response = Body::from_stream(ReaderStream::new(file)).into_response();
+    set(&mut response, header::CONTENT_TYPE, written.media_type);
+    set(&mut response, header::CACHE_CONTROL, "private, no-cache");
+    let name = disposition(&written.file_name);
+    set(&mut response, header::CONTENT_DISPOSITION, &name);
+    response
+        .headers_mut()
+        .insert(header::CONTENT_LENGTH, bytes.into());
     Ok(response)
 }
 

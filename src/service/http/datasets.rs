@@ -7,15 +7,17 @@ use super::query::{NoParams, Params, names};
 use super::raw_upload;
 use super::state::AppState;
 use super::upload::{self, Upload};
+use crate::formats::{WRITERS, Writer, writer_named};
 use crate::model::dataset::DatasetKind as ModelKind;
+use crate::registry::placed;
 use crate::service::error::ServiceError;
-use crate::service::http::error::ApiResult;
+use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::storage::{DatasetFilter, Paging, Sort};
 use crate::service::types::{DatasetInfo, DatasetPage};
 use crate::service::views::preview;
 use axum::Json;
 use axum::extract::{DefaultBodyLimit, Request, State};
-use axum::http::StatusCode;
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa_axum::router::OpenApiRouter;
@@ -165,13 +167,42 @@ async fn preview_dataset(State(app): State<AppState>, Id(id): Id, mut params: Pa
 
 /// Download a dataset
 ///
-/// The bytes as they were uploaded, in the media type of their format. Ranges are served.
+/// The bytes as they were uploaded, in the media type of their format. Ranges are served. With `format` the dataset is written anew in
+/// that format; one that cannot hold it is refused, and the refusal names those that can.
 #[utoipa::path(get, path = "/v1/datasets/{id}/content", operation_id = "downloadDataset", tag = "datasets",
-    params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
+    params(
+        ("id" = uuid::Uuid, Path, description = "Identity of the dataset."),
+        ("format" = Option<String>, Query, min_length = 1, description = "csv, json, geojson, trips, kml, czml, gpx, mot, parquet, arrow, stonesoup, stonesoup_polar or stonesoup_bearings."),
+    ),
     responses((status = 200, description = "The file.", content_type = "application/octet-stream", body = super::state::FileContent)))]
-async fn download_dataset(asked: Question) -> ApiResult {
-    let (State(app), Id(id), _, headers) = asked;
-    conditional::stored(&headers, app.datasets.file(id).await?, true).await
+async fn download_dataset(
+    State(app): State<AppState>,
+    Id(id): Id,
+    mut params: Params,
+    headers: HeaderMap,
+) -> ApiResult {
+    let writer = asked_writer(&mut params);
+    params.finish()?;
+    match writer {
+        Some(writer) => written(&app, id, writer).await,
+        None => conditional::stored(&headers, app.datasets.file(id).await?, true).await,
+    }
+}
+
+/// The format that a dataset is to be written in.
+pub(super) fn asked_writer(params: &mut Params) -> Option<&'static Writer> {
+    let known = names(WRITERS.iter().map(|writer| writer.name));
+    params.read("format", &known, writer_named)
+}
+
+/// The dataset in another format.
+pub(super) async fn written(app: &AppState, id: uuid::Uuid, writer: &Writer) -> ApiResult {
+    let written = app.datasets.written(id, writer).await;
+    let written = written.map_err(|error| match error {
+        ServiceError::Invalid(faults) => ApiError::validation(placed("/query", faults)),
+        error => error.into(),
+    })?;
+    conditional::written(written).await
 }
 
 pub(super) fn paging(params: &mut Params) -> Paging {
@@ -208,4 +239,20 @@ pub(super) fn with_next(
         );
     }
     response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_documents_name_every_format_that_is_written() {
+        let document = crate::service::openapi::document().to_string();
+        for writer in WRITERS {
+            let is_named = [", ", "\"", " or "]
+                .iter()
+                .any(|before| document.contains(&format!("{before}{}", writer.name)));
+            assert!(is_named, "{}", writer.name);
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use super::{JobFilter, Jobs};
 use crate::experiment::job_shape::with_kind;
 use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
 use crate::service::datasets::{Located, StoredFile};
 use crate::service::error::{ServiceError, cursor_of, refuse_any};
 use crate::service::storage::{Page, StoredArtifact};
@@ -139,35 +140,44 @@ impl Jobs {
     }
 
     pub async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, ServiceError> {
-        self.ended_well(id).await?;
-        let artifacts = self.storage.artifacts(id).await?;
-        let Some(artifact) = artifacts
-            .iter()
-            .find(|artifact| artifact.name == name)
-            .cloned()
-        else {
-            let known: Vec<&str> = artifacts
-                .iter()
-                .map(|artifact| artifact.name.as_str())
-                .collect();
-            return Err(ServiceError::NotThere(format!(
-                "the job has no file '{name}'; it has {}",
-                known.join(", ")
-            )));
-        };
         let StoredArtifact {
             name,
             media_type,
             bytes,
             sha256,
             ..
-        } = artifact;
+        } = self.stored_artifact(id, name).await?;
         Ok(StoredFile {
             content: self.datasets.content(&sha256, bytes).await?,
             media_type,
             bytes,
             sha256,
             file_name: name,
+        })
+    }
+
+    /// The dataset that a file of a job is.
+    pub async fn dataset_of_artifact(&self, id: Uuid, name: &str) -> Result<Uuid, ServiceError> {
+        let artifact = self.stored_artifact(id, name).await?;
+        artifact.dataset_id.ok_or_else(|| {
+            let detail = format!("the file '{name}' is no dataset: it has one format");
+            ServiceError::Invalid(vec![Fault::new("/query/format", "unsupported", detail)])
+        })
+    }
+
+    async fn stored_artifact(&self, id: Uuid, name: &str) -> Result<StoredArtifact, ServiceError> {
+        self.ended_well(id).await?;
+        let artifacts = self.storage.artifacts(id).await?;
+        let found = artifacts.iter().find(|artifact| artifact.name == name);
+        found.cloned().ok_or_else(|| {
+            let known: Vec<&str> = artifacts
+                .iter()
+                .map(|artifact| artifact.name.as_str())
+                .collect();
+            ServiceError::NotThere(format!(
+                "the job has no file '{name}'; it has {}",
+                known.join(", ")
+            ))
         })
     }
 

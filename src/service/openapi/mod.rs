@@ -9,7 +9,7 @@ mod version_3_0;
 use super::http;
 use super::types::{PROBLEMS, Problem};
 use crate::experiment::{ARTIFACT_TYPES, JobKind};
-use crate::formats::FORMATS;
+use crate::formats::{FORMATS, WRITERS};
 use crate::model::fault::FAULT_CODES;
 use crate::registry::Components;
 use bodies::{capital, request_bodies};
@@ -197,9 +197,13 @@ fn complete(operation: &mut Value, bodies: &BTreeMap<String, Value>) {
 
 /// A download answers in the type of its file. The type of any bytes stands first: generators take the first.
 fn name_file_types(operation: &mut Value) {
+    let written = WRITERS.iter().map(|writer| writer.media_type);
     let types: Vec<&str> = match operation["operationId"].as_str() {
-        Some("downloadDataset") => FORMATS.iter().map(|format| format.media_type).collect(),
-        Some("downloadJobArtifact") => ARTIFACT_TYPES.to_vec(),
+        Some("downloadDataset") => {
+            let read = FORMATS.iter().map(|format| format.media_type);
+            read.chain(written).collect()
+        }
+        Some("downloadJobArtifact") => ARTIFACT_TYPES.into_iter().chain(written).collect(),
         _ => return,
     };
     let Some(content) = operation

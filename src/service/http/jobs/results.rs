@@ -1,8 +1,9 @@
 //! What a job found: its report and its files.
 
 use super::super::conditional;
+use super::super::datasets;
 use super::super::extract::{Id, IdAndName, Question};
-use super::super::query::NoParams;
+use super::super::query::{NoParams, Params};
 use super::super::state::{AppState, FileContent};
 use crate::service::http::error::ApiResult;
 use crate::service::types::{ArtifactList, CampaignSoFar, Report};
@@ -57,18 +58,26 @@ async fn list_job_artifacts(State(app): State<AppState>, Id(id): Id, _: NoParams
 
 /// Download a file of a job
 ///
-/// The bytes, in the media type that the list of files names. Ranges are served.
+/// The bytes, in the media type that the list of files names. Ranges are served. With `format` a file that is a dataset is written anew
+/// in that format; one that cannot hold it is refused, and the refusal names those that can.
 #[utoipa::path(get, path = "/v1/jobs/{id}/artifacts/{name}", operation_id = "downloadJobArtifact", tag = "results",
     params(
         ("id" = uuid::Uuid, Path, description = "Identity of the job."),
         ("name" = String, Path, description = "Name of the file, such as `tracks.csv`."),
+        ("format" = Option<String>, Query, min_length = 1, description = "A format of the content of a dataset, such as geojson."),
     ),
     responses((status = 200, description = "The file.", content_type = "application/octet-stream", body = FileContent)))]
 async fn download_job_artifact(
     State(app): State<AppState>,
     IdAndName(id, name): IdAndName,
-    _: NoParams,
+    mut params: Params,
     headers: HeaderMap,
 ) -> ApiResult {
+    let writer = datasets::asked_writer(&mut params);
+    params.finish()?;
+    if let Some(writer) = writer {
+        let dataset = app.jobs.dataset_of_artifact(id, &name).await?;
+        return datasets::written(&app, dataset, writer).await;
+    }
     conditional::stored(&headers, app.jobs.artifact(id, &name).await?, true).await
 }
