@@ -1,5 +1,6 @@
 //! Bytes to datasets and back, one file a format. A new format is one file and one line of [`FORMATS`].
 
+pub mod ais;
 pub mod autoferry;
 mod autoferry_items;
 mod autoferry_sensors;
