@@ -17,6 +17,7 @@ mod json_text;
 mod layouts;
 mod lines;
 mod loose;
+pub mod mode_s;
 pub mod mot;
 pub mod npy;
 mod options;

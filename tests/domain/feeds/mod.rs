@@ -2,6 +2,8 @@
 
 mod ais;
 mod ais_recordings;
+mod mode_s;
+mod mode_s_recording;
 
 use std::path::PathBuf;
 use trackloom_domain::formats::feed::{Feed, Spot};
