@@ -84,6 +84,39 @@ pub fn read_line(mut input: &mut dyn BufRead, line: &mut Vec<u8>) -> io::Result<
     }
 }
 
+/// Hands on every line with its number (from 1), without the mark that some write before UTF-8.
+///
+/// # Errors
+/// A line that is too long, and input that cannot be read.
+pub fn each_line(
+    input: &mut dyn BufRead,
+    take: &mut dyn FnMut(&[u8], u64),
+) -> Result<(), Vec<Fault>> {
+    let mut line = Vec::new();
+    for number in 1.. {
+        if !read_line(input, &mut line).map_err(|error| vec![unreadable_at(&error, number)])? {
+            break;
+        }
+        let is_marked = number == 1 && line.starts_with(BYTE_ORDER_MARK);
+        let mark = if is_marked { BYTE_ORDER_MARK.len() } else { 0 };
+        take(&line[mark..], number);
+    }
+    Ok(())
+}
+
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The fault of a file that cannot be read further than this line.
+pub fn unreadable_at(error: &io::Error, line: u64) -> Fault {
+    if error.kind() == ErrorKind::FileTooLarge {
+        return too_long(line);
+    }
+    Fault {
+        line: Some(line),
+        ..unreadable(error)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,6 @@
 //! Bytes to datasets and back, one file a format. A new format is one file and one line of [`FORMATS`].
 
+pub mod ais;
 pub mod asterix;
 pub mod autoferry;
 mod autoferry_items;
@@ -12,6 +13,7 @@ pub mod csv;
 mod dialect;
 mod disorder;
 pub mod feed;
+pub mod gpx;
 pub mod json;
 mod json_document;
 mod json_records;
@@ -19,12 +21,14 @@ mod json_text;
 mod layouts;
 mod lines;
 mod loose;
+pub mod mode_s;
 pub mod mot;
 pub mod npy;
 mod options;
 pub mod out;
 mod packed;
 mod reading;
+mod streams;
 mod table;
 mod told;
 
@@ -146,6 +150,10 @@ pub const FORMATS: &[Format] = &[
     autoferry::FORMAT,
     mot::FORMAT,
     npy::FORMAT,
+    streams::AIS,
+    streams::MODE_S,
+    streams::GPX,
+    streams::ASTERIX,
     #[cfg(feature = "parquet")]
     columnar::PARQUET,
     #[cfg(feature = "parquet")]

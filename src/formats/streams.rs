@@ -110,7 +110,10 @@ fn read_asterix(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOu
 
 /// What a file holds besides the kind that is read.
 fn others_held(decoded: &Decoded) -> Option<String> {
-    let others = decoded.held.iter().filter(|(kind, _)| **kind != decoded.kind);
+    let others = decoded
+        .held
+        .iter()
+        .filter(|(kind, _)| **kind != decoded.kind);
     let list: Vec<String> = others
         .filter(|(_, count)| **count > 0)
         .map(|(kind, count)| format!("{count} records of {}", kind.name()))

@@ -22,6 +22,7 @@ mod defaults;
 mod determinism;
 mod distances;
 mod evaluation_jobs;
+mod feeds;
 mod filters;
 mod formations;
 mod formats;

@@ -1,6 +1,7 @@
 //! Reports of a feed (AIS, Mode S, ASTERIX, a table of state vectors) on their way to a dataset. A decoder only says what each
 //! report says; what becomes of times, paths, scans and places is decided here, once for all of them.
 
+pub mod civil;
 mod detections;
 mod paths;
 mod place;
@@ -281,6 +282,18 @@ impl Feed {
             }
         }
         found
+    }
+
+    /// What is said of a report by its index, the last word.
+    pub fn said_of_report(&self, report: usize, attribute: Attribute) -> Option<&str> {
+        let said = self.said_of(report).filter(|said| said.0 == attribute);
+        said.last().map(|said| said.1)
+    }
+
+    /// What is said of an identity, the last word.
+    pub fn said_of_identity(&self, identity: u32, attribute: Attribute) -> Option<&str> {
+        let text = self.known.get(&(identity, attribute))?;
+        Some(self.texts.name(*text))
     }
 
     /// Counts units that are sound, but nothing that was asked for.

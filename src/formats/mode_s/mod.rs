@@ -1,0 +1,196 @@
+//! ADS-B and Mode S as receivers write them: raw frames of Beast, of rs1090 or of AVR, and the text of a BaseStation.
+//!
+//! A frame, or a line, is a unit. Positions (type codes 5 to 18 and 20 to 22 of downlink formats 17 and 18) become reports; what
+//! other frames say of an aircraft (callsign, velocity, identity code, accuracy) goes with the reports after them.
+//!
+//! # Reference
+//! ICAO Annex 10, volume IV; RTCA DO-260B; J. Sun, The 1090 Megahertz Riddle, 2021.
+
+mod aircraft;
+mod beast;
+mod clock;
+mod cpr;
+mod decoder;
+mod fields;
+mod frame;
+mod sbs;
+mod text;
+
+pub use self::clock::Ticks;
+
+use self::beast::{Beast, Found, HEAD};
+use self::clock::Clock;
+use self::decoder::Decoder;
+use super::feed::Feed;
+use super::{Reason, lines};
+use crate::model::fault::Fault;
+use std::io::BufRead;
+use std::str;
+
+/// Where a receiver stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Receiver {
+    pub lat_deg: f64,
+    pub lon_deg: f64,
+}
+
+/// What a file does not say itself.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Told {
+    /// Unix seconds (UTC) of the first frame of Beast or AVR. With a clock that shows the time of day, any time within half a
+    /// day of it.
+    pub start_s: Option<f64>,
+    /// What the clock in front of frames counts.
+    pub ticks: Ticks,
+    /// Positions on the surface need it, and those more than 400 NM away are not believed.
+    pub receiver: Option<Receiver>,
+    /// How far the times of a BaseStation are ahead of UTC.
+    pub utc_offset_s: Option<f64>,
+}
+
+/// How frames are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Framing {
+    Beast,
+    Rs1090,
+    Avr,
+    Sbs,
+}
+
+/// Reads a file in whichever of the framings it is.
+///
+/// # Errors
+/// A framing that is none of these; `start`, or `utc_offset`, where the framing has no times without it; a line that is too
+/// long, and a file that cannot be read.
+pub fn decode(input: &mut dyn BufRead, told: &Told) -> Result<Feed, Vec<Fault>> {
+    let framing = framing(input)?;
+    match framing {
+        Framing::Beast => beast(input, told),
+        Framing::Rs1090 => texts(input, told, |decoder, line, unit| {
+            timed_line(decoder, line, unit);
+        }),
+        Framing::Avr => {
+            let mut clock = clock(told)?;
+            texts(input, told, |decoder, line, unit| {
+                avr_line(decoder, &mut clock, line, unit)
+            })
+        }
+        Framing::Sbs => {
+            let offset_s = told.utc_offset_s.ok_or_else(|| {
+                missing(
+                    "utc_offset",
+                    "the times of a BaseStation are local and name no zone",
+                )
+            })?;
+            texts(input, told, |decoder, line, unit| {
+                sbs::take(decoder, line, unit, offset_s)
+            })
+        }
+    }
+}
+
+/// Tells the framing from what comes first.
+fn framing(input: &mut dyn BufRead) -> Result<Framing, Vec<Fault>> {
+    let first = input
+        .fill_buf()
+        .map_err(|error| vec![lines::unreadable_at(&error, 1)])?;
+    // No text holds the octet that begins a frame of Beast.
+    if first.contains(&0x1a) {
+        return Ok(Framing::Beast);
+    }
+    let text = first
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(first)
+        .trim_ascii_start();
+    match text.first() {
+        Some(b'0'..=b'9') => Ok(Framing::Rs1090),
+        Some(b'*' | b'@') => Ok(Framing::Avr),
+        Some(b'M' | b'S' | b'I' | b'A' | b'C') => Ok(Framing::Sbs),
+        _ => {
+            let detail = "the file begins like no framing of Mode S";
+            let allowed =
+                "Beast (1A 31 to 1A 34), rs1090 CSV (a Unix time), AVR (* or @), SBS (MSG)";
+            Err(vec![
+                Fault::new("/file", "unsupported", detail).allowing(allowed),
+            ])
+        }
+    }
+}
+
+fn missing(option: &str, detail: &str) -> Vec<Fault> {
+    vec![Fault::new(
+        format!("/meta/options/{option}"),
+        "missing",
+        detail,
+    )]
+}
+
+fn clock(told: &Told) -> Result<Clock, Vec<Fault>> {
+    let detail = "frames of Beast and AVR say no date";
+    let start_s = told.start_s.ok_or_else(|| missing("start", detail))?;
+    Ok(Clock::new(told.ticks, start_s))
+}
+
+fn beast(input: &mut dyn BufRead, told: &Told) -> Result<Feed, Vec<Fault>> {
+    let mut clock = clock(told)?;
+    let mut decoder = Decoder::new("frame", told);
+    let mut stream = Beast::new(input);
+    let mut body = Vec::new();
+    for unit in 1.. {
+        let found = stream
+            .read(&mut body)
+            .map_err(|error| vec![lines::unreadable_at(&error, unit)])?;
+        match found {
+            None => break,
+            Some(Found::Frame) => {
+                let (head, frame) = body.split_at(HEAD);
+                let shown = head[..HEAD - 1].iter();
+                let shown = shown.fold(0, |value, octet| value << 8 | u64::from(*octet));
+                decoder.frame(frame, clock.time_s(shown), unit);
+            }
+            Some(Found::ModeAc) => decoder.feed.ignore("mode A/C", 1),
+            Some(Found::Status) => decoder.feed.ignore("status", 1),
+            Some(Found::Cut) => decoder.feed.reject(Reason::Truncated, unit, 1),
+            Some(Found::Junk) => decoder.feed.reject(Reason::Malformed, unit, 1),
+        }
+    }
+    Ok(decoder.finish())
+}
+
+/// Hands on the lines of a text that are neither blank nor comments.
+fn texts(
+    input: &mut dyn BufRead,
+    told: &Told,
+    mut take: impl FnMut(&mut Decoder, &str, u64),
+) -> Result<Feed, Vec<Fault>> {
+    let mut decoder = Decoder::new("line", told);
+    lines::each_line(input, &mut |line, unit| match line.trim_ascii() {
+        [] => decoder.feed.ignore("blank", 1),
+        [b'#', ..] => decoder.feed.ignore("comment", 1),
+        line => match str::from_utf8(line) {
+            Ok(line) => take(&mut decoder, line, unit),
+            Err(_) => decoder.feed.reject(Reason::Malformed, unit, 1),
+        },
+    })?;
+    Ok(decoder.finish())
+}
+
+fn timed_line(decoder: &mut Decoder, line: &str, unit: u64) {
+    let mut octets = [0; text::MAX_OCTETS];
+    match text::timed(line, &mut octets) {
+        Ok((time_s, text::Line::Frame(frame))) => decoder.frame(frame, time_s, unit),
+        Ok((_, text::Line::Ignored(kind))) => decoder.feed.ignore(kind, 1),
+        Err(reason) => decoder.feed.reject(reason, unit, 1),
+    }
+}
+
+fn avr_line(decoder: &mut Decoder, clock: &mut Clock, line: &str, unit: u64) {
+    let mut octets = [0; text::MAX_OCTETS];
+    match text::avr(line, &mut octets) {
+        Ok((shown, text::Line::Frame(frame))) => {
+            decoder.frame(frame, shown.and_then(|shown| clock.time_s(shown)), unit);
+        }
+        Ok((_, text::Line::Ignored(kind))) => decoder.feed.ignore(kind, 1),
+        Err(reason) => decoder.feed.reject(reason, unit, 1),
+    }
+}
