@@ -213,8 +213,11 @@ pub struct RandomTargets {
 }
 
 /// Recorded targets move on a spline through their points.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordedTargets {
+    /// A recording that comes with the program, in place of the job's truth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
     /// Time of the first scan; the first time of the truth when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,

@@ -34,7 +34,7 @@ pub(super) fn placed(
     recorded: Option<&TruthSet>,
 ) -> Result<(Scenario, Option<Played>), Vec<Fault>> {
     let mut scenario = scenario.clone();
-    let TargetPlan::Recorded(plan) = scenario.targets else {
+    let TargetPlan::Recorded(plan) = scenario.targets.clone() else {
         return refuse_latitudes(&scenario).map(|()| (scenario, None));
     };
     let truth = recorded

@@ -2,6 +2,7 @@
 
 mod detect;
 pub mod extent;
+mod extracts;
 mod frames;
 pub mod known;
 pub mod sensors;
@@ -18,12 +19,13 @@ use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
-use crate::model::scenario::{Scenario, TargetPlan};
+use crate::model::scenario::{RecordedTargets, Scenario, TargetPlan};
 use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::simulation;
 pub use detect::DetectionResult;
+pub use extracts::RECORDINGS;
 use serde_json::Value;
 
 /// What a job works on, as far as it has it.
@@ -155,9 +157,16 @@ impl JobData {
             self.sensors = vec![simulated.sensor];
             simulated.truth
         } else {
-            let simulated =
-                simulation::simulate_recorded(scenario, self.truth.as_ref(), seed, &mut progress)?
-                    .ok_or(RunError::Stopped)?;
+            let shipped = match &scenario.targets {
+                TargetPlan::Recorded(RecordedTargets {
+                    recording: Some(name),
+                    ..
+                }) => Some(extracts::truth_of(name)?),
+                _ => None,
+            };
+            let recorded = shipped.as_ref().or(self.truth.as_ref());
+            let simulated = simulation::simulate_recorded(scenario, recorded, seed, &mut progress)?
+                .ok_or(RunError::Stopped)?;
             self.recording = Some(simulated.recording);
             self.warnings.extend(simulated.warnings);
             simulated.truth

@@ -1,6 +1,7 @@
 //! A job to start from.
 
 use crate::model::dataset::Dataset;
+use crate::model::truth::TruthSet;
 use serde_json::{Value, json};
 
 /// A job file for this dataset: detections are tracked, truth is seen by a simulated radar, tracks are judged.
@@ -10,10 +11,7 @@ pub fn start_from(dataset: &Dataset, format: &str, path: &str) -> Value {
         Dataset::Detections(_) => json!({
             "kind": "associate", "input": file, "associator": {"method": "jpda"},
         }),
-        Dataset::Truth(_) => json!({
-            "kind": "evaluate", "truth": file,
-            "tracks": {"source": "file", "path": "the tracks to judge"},
-        }),
+        Dataset::Truth(truth) => seen_by_radar(truth, &file),
         Dataset::Tracks(_) => json!({
             "kind": "evaluate", "tracks": file,
             "truth": {"source": "file", "path": "the truth to judge by"},
@@ -31,4 +29,24 @@ pub fn start_from(dataset: &Dataset, format: &str, path: &str) -> Value {
             "associator": {"method": "fuzzy_c_means"},
         }),
     }
+}
+
+/// Truth as a radar in its middle sees it.
+fn seen_by_radar(truth: &TruthSet, file: &Value) -> Value {
+    let mut sensor = json!({
+        "sensor_id": "radar", "max_range_m": 100_000.0, "p_d": 0.9,
+        "sigma_range_m": 50.0, "sigma_bearing_deg": 0.1, "clutter_per_scan": 5.0,
+    });
+    if let Some(frame) = &truth.frame {
+        (sensor["lat_deg"], sensor["lon_deg"]) =
+            (json!(frame.latitude_deg()), json!(frame.longitude_deg()));
+    }
+    json!({
+        "kind": "evaluate", "truth": file,
+        "input": {"source": "scenario", "scenario": {
+            "scans": 100, "scan_period_s": 4.0, "sensors": [sensor],
+            "targets": {"kind": "recorded", "max_gap_s": 60.0},
+        }},
+        "associator": {"method": "global_nearest_neighbour"},
+    })
 }

@@ -5,6 +5,7 @@ mod cai_fuzzy_claims;
 mod huo2008;
 mod huo2008_claims;
 mod liang2009;
+mod recorded;
 mod wang_bat;
 mod wang_bat_claims;
 mod wang_bat_record;
@@ -53,7 +54,7 @@ pub const PAPERS: &[&str] = &[
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 8] = [
+const FAMILIES: [(&str, MakePresets); 9] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("cai-fuzzy-", cai_fuzzy_claims::presets),
@@ -62,6 +63,7 @@ const FAMILIES: [(&str, MakePresets); 8] = [
     ("wang-bat-", wang_bat::presets),
     ("wang-bat-", wang_bat_claims::presets),
     ("wang-bat-", wang_bat_record::presets),
+    ("solent-", recorded::presets),
 ];
 
 /// Every preset.

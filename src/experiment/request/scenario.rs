@@ -248,6 +248,11 @@ static RECORDED_TARGETS: Object = Object {
     summary: "The targets of the truth that the job names in `truth`, on splines through their points; the truth is then what the sensors could see of them.",
     fields: &[
         optional(
+            "recording",
+            "A recording that comes with the program, in place of the job's truth: `solent`, twenty minutes of AIS.",
+            Kind::Choice(crate::experiment::input::RECORDINGS),
+        ),
+        optional(
             "start_s",
             "Time of the first scan; the first time of the truth when absent.",
             number(-1e12, 1e12, "s"),

@@ -22,11 +22,11 @@ pub(super) fn build(
     manner: &Manner,
     reading: &Reading,
 ) -> Result<Dataset, Vec<Fault>> {
-    let mut ground = Ground::of(feed, reading)?;
     let mut order: Vec<usize> = (0..feed.reports.len()).collect();
     order.sort_by(|&a, &b| feed.reports[a].time_s.total_cmp(&feed.reports[b].time_s));
     let scans = scans::divide(feed, &order, reading.frame_s.unwrap_or(FRAME_S));
     let order = drop_superseded(feed, order, &scans);
+    let mut ground = Ground::of(feed, &order, reading)?;
     let sensors = sensors_of(feed, &ground, manner);
     let mut parts = RecordingParts {
         frame: ground.frame,

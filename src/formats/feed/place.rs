@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// Farther from the origin lengths in the plane are wrong by more than 0.6 %.
 const FAR_M: f64 = 1e6;
 
-/// The plane, and the sites of sensors in it.
+/// The plane, and the sites of sensors in it. It is chosen from the reports that are used.
 pub(super) struct Ground {
     pub frame: Option<Frame>,
     plane: Option<Stereographic>,
@@ -24,7 +24,7 @@ pub(super) struct Ground {
 impl Ground {
     /// # Errors
     /// An origin that cannot be, since no place of the feed is finite.
-    pub fn of(feed: &mut Feed, reading: &Reading) -> Result<Self, Vec<Fault>> {
+    pub fn of(feed: &mut Feed, used: &[usize], reading: &Reading) -> Result<Self, Vec<Fault>> {
         let mut sites = std::mem::take(&mut feed.sites);
         for site in &reading.sites {
             let place = Site {
@@ -36,7 +36,7 @@ impl Ground {
         }
         let frame = match reading.origin {
             Some(frame) => Some(frame),
-            None => choose_origin(feed, &sites)?,
+            None => choose_origin(feed, used, &sites)?,
         };
         let plane =
             frame.map(|frame| Stereographic::about(frame.latitude_deg(), frame.longitude_deg()));
@@ -159,10 +159,14 @@ impl Ground {
 
 /// The site of the only sensor, else the middle of all places, rounded to a hundredth of a degree; `None` where nothing says where
 /// on the Earth anything is.
-fn choose_origin(feed: &Feed, sites: &BTreeMap<u32, Site>) -> Result<Option<Frame>, Vec<Fault>> {
+fn choose_origin(
+    feed: &Feed,
+    used: &[usize],
+    sites: &BTreeMap<u32, Site>,
+) -> Result<Option<Frame>, Vec<Fault>> {
     let mut middle = Middle::default();
-    for report in &feed.reports {
-        if let Spot::Geographic { lat_deg, lon_deg } = report.spot {
+    for &index in used {
+        if let Spot::Geographic { lat_deg, lon_deg } = feed.reports[index].spot {
             middle.add(lat_deg, lon_deg);
         }
     }

@@ -18,13 +18,17 @@ pub(super) fn build(
     manner: &Manner,
     reading: &Reading,
 ) -> Result<Dataset, Vec<Fault>> {
-    let mut ground = Ground::of(feed, reading)?;
     let manner = Manner {
         path_gap_s: TRACK_GAP_S,
         splits_by_callsign: false,
         ..*manner
     };
     let paths = paths::divide(feed, &manner, reading);
+    let used: Vec<usize> = paths
+        .iter()
+        .flat_map(|path| path.reports.iter().copied())
+        .collect();
+    let mut ground = Ground::of(feed, &used, reading)?;
     let mut attributes = Attributes::new();
     let mut tracks = Vec::with_capacity(paths.len());
     for path in paths {

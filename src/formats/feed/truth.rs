@@ -15,8 +15,12 @@ pub(super) fn build(
     manner: &Manner,
     reading: &Reading,
 ) -> Result<Dataset, Vec<Fault>> {
-    let mut ground = Ground::of(feed, reading)?;
     let paths = paths::divide(feed, manner, reading);
+    let used: Vec<usize> = paths
+        .iter()
+        .flat_map(|path| path.reports.iter().copied())
+        .collect();
+    let mut ground = Ground::of(feed, &used, reading)?;
     let mut attributes = Attributes::new();
     let mut targets = Vec::with_capacity(paths.len());
     let mut unplaced = 0;

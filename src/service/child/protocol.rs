@@ -106,6 +106,8 @@ pub struct Upload {
     pub kind: Option<DatasetKind>,
     pub columns: BTreeMap<String, String>,
     pub options: FormatOptions,
+    /// Whether all that there is to say of it is asked for.
+    pub inspect: bool,
 }
 
 /// A campaign, by its job.
@@ -168,6 +170,8 @@ pub struct Checked {
     pub format: String,
     pub summary: DatasetSummary,
     pub warnings: Vec<String>,
+    /// An [`crate::experiment::inspect::Inspection`], where it was asked for.
+    pub inspection: Option<Value>,
 }
 
 /// What a look at a campaign gave.

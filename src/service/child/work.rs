@@ -3,6 +3,7 @@
 use super::campaign::Kept;
 use super::input::{InputFile, faults_or_memory, open};
 use super::protocol::{Checked, Made, MadeFile, Order, Upload};
+use crate::experiment::inspect::inspect;
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::{self, Artifact, Inputs, JobKind, Plan};
 use crate::formats::{FORMATS, ReadOptions, WriteError, format_named, read_file, writer_named};
@@ -91,13 +92,22 @@ fn check(upload: &Upload) -> Result<Made, Failure> {
     let mut input = BufReader::with_capacity(1 << 16, file);
     let (read, format) =
         read_file(file_name, &mut input, format, &options).map_err(faults_or_memory)?;
+    let summary = DatasetSummary {
+        units: Some(read.units.clone()),
+        ..read.dataset.summary()
+    };
+    let warnings = read.warnings.clone();
+    let inspection = upload
+        .inspect
+        .then(|| inspect(read, format.name, file_name));
     Ok(Made::Checked(Checked {
         format: format.name.to_owned(),
-        summary: DatasetSummary {
-            units: Some(read.units),
-            ..read.dataset.summary()
-        },
-        warnings: read.warnings,
+        summary,
+        warnings,
+        inspection: inspection
+            .map(serde_json::to_value)
+            .transpose()
+            .map_err(internal)?,
     }))
 }
 

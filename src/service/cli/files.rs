@@ -5,7 +5,7 @@
 
 use crate::experiment::job_shape::take_kind;
 use crate::experiment::{Input, Inputs, JobKind, Plan, Source};
-use crate::formats::{self, FormatOptions, OPTION_FIELDS, ReadOptions};
+use crate::formats::{self, Format, FormatOptions, OPTION_FIELDS, ReadOptions, ReadOutcome};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::registry::{
@@ -215,7 +215,42 @@ impl JobFile {
     }
 }
 
+/// What was read, and in which format.
+type Read = (ReadOutcome, &'static Format);
+
 impl FileSource {
+    /// Reads the file with all that there is to say of it.
+    pub(super) fn read_whole(
+        &self,
+        folder: &Path,
+        kind: Option<DatasetKind>,
+    ) -> Result<Read, Vec<Fault>> {
+        Ok(self.read_bytes(folder, kind)?.0)
+    }
+
+    fn read_bytes(
+        &self,
+        folder: &Path,
+        kind: Option<DatasetKind>,
+    ) -> Result<(Read, Vec<u8>), Vec<Fault>> {
+        let path = folder.join(&self.path);
+        let bytes = std::fs::read(&path).map_err(|error| {
+            let detail = format!("{}: {error}", path.display());
+            vec![Fault::new("/path", "not_found", detail)]
+        })?;
+        let format = match &self.format {
+            Some(name) => Some(formats::format_named(name).ok_or_else(|| unknown_format(name))?),
+            None => None,
+        };
+        let options = ReadOptions {
+            kind,
+            columns: self.columns.clone(),
+            options: self.options.clone(),
+        };
+        let read = formats::read_file(&self.path, &mut bytes.as_slice(), format, &options)?;
+        Ok((read, bytes))
+    }
+
     /// Reads the file, whose path is relative to the folder.
     pub(super) fn read(
         &self,
@@ -223,33 +258,17 @@ impl FileSource {
         kind: Option<DatasetKind>,
         warnings: &mut Vec<String>,
     ) -> Result<Input, Vec<Fault>> {
+        let (read, bytes) = self.read_bytes(folder, kind)?;
         let file = self;
-        let path = folder.join(&file.path);
-        let bytes = std::fs::read(&path).map_err(|error| {
-            vec![Fault::new(
-                "/path",
-                "not_found",
-                format!("{}: {error}", path.display()),
-            )]
-        })?;
-        let format = match &file.format {
-            Some(name) => Some(formats::format_named(name).ok_or_else(|| unknown_format(name))?),
-            None => None,
-        };
-        let options = ReadOptions {
-            kind,
-            columns: file.columns.clone(),
-            options: file.options.clone(),
-        };
-        let (read, _) = formats::read_file(&file.path, &mut bytes.as_slice(), format, &options)?;
         warnings.extend(
-            read.warnings
+            read.0
+                .warnings
                 .into_iter()
                 .map(|warning| format!("{}: {warning}", file.path)),
         );
         let dataset = match &file.sensor_ids {
-            Some(wanted) => only(read.dataset, wanted)?,
-            None => read.dataset,
+            Some(wanted) => only(read.0.dataset, wanted)?,
+            None => read.0.dataset,
         };
         let sha256 = sha256_hex(&bytes);
         Ok(Input {

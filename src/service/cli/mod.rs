@@ -5,6 +5,8 @@ mod catalogue;
 mod convert;
 mod demo;
 mod files;
+mod inspect;
+mod reading;
 mod run;
 mod size;
 mod table;
@@ -40,6 +42,8 @@ enum Command {
     Run(run::RunArguments),
     /// Read a file of detections, truth or tracks, and write it in another format
     Convert(convert::ConvertArguments),
+    /// Say what a file holds, how its units fared, what seems wrong, and which job to start from
+    Inspect(inspect::InspectArguments),
     /// Run the tour: a simulated scene and a radar recording, judged; then serve the dashboard with both
     Demo {
         #[command(flatten)]
@@ -210,6 +214,7 @@ pub fn main() -> ExitCode {
         Command::Worker(arguments) => blocking(crate::service::server::work(arguments.config())),
         Command::Run(arguments) => return run::run(&arguments),
         Command::Convert(arguments) => return convert::convert(&arguments),
+        Command::Inspect(arguments) => return inspect::run(&arguments),
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
         Command::Methods(arguments) => return catalogue::print_methods(&arguments),
         Command::Presets(arguments) => return catalogue::print_presets(&arguments),

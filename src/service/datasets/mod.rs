@@ -17,6 +17,7 @@ use crate::experiment::Known;
 use crate::formats::{Writer, format_named};
 use crate::model::dataset::{DatasetKind, DatasetSummary};
 use anyhow::Context;
+use serde_json::Value;
 use serde_json::value::RawValue;
 use std::path::{Path, PathBuf};
 use tokio::sync::{RwLock, RwLockReadGuard};
@@ -91,15 +92,8 @@ impl Datasets {
             return Err(ServiceError::ShuttingDown);
         }
         refuse_any(text_faults(&meta))?;
-        let upload = Upload {
-            path: file.path.clone(),
-            file_name: meta.file_name.clone(),
-            format: meta.format.clone(),
-            kind: meta.kind,
-            columns: meta.columns.clone(),
-            options: meta.options.clone(),
-        };
-        let new = new_dataset(&file, meta, self.check(upload).await?);
+        let checked = self.check(order_of(&file, &meta, false)).await?;
+        let new = new_dataset(&file, meta, checked);
         let _no_sweeping = self.no_sweeping().await?;
         let adopt = {
             let (blobs, ReceivedFile { path, sha256, .. }) = (self.blobs.clone(), file);
@@ -110,6 +104,17 @@ impl Datasets {
             .context("keeping an upload panicked")??;
         let (id, is_new) = self.storage.add_dataset(&new).await?;
         Ok((self.get(id).await?, is_new))
+    }
+
+    /// All that there is to say of a file, which is not kept.
+    pub async fn inspect(
+        &self,
+        file: &ReceivedFile,
+        meta: &DatasetMeta,
+    ) -> Result<Value, ServiceError> {
+        refuse_any(text_faults(meta))?;
+        let checked = self.check(order_of(file, meta, true)).await?;
+        Ok(checked.inspection.context("a file was not inspected")?)
     }
 
     /// Has a child tell the format and read the file with it.
@@ -279,6 +284,7 @@ impl Datasets {
             kind: Some(stored.info.kind),
             columns: stored.columns,
             options: stored.options,
+            inspect: false,
         };
         Ok(self.check(upload).await?.summary)
     }
@@ -312,5 +318,18 @@ impl Datasets {
         Ok(spawn_blocking(move || blobs.remove(&unused))
             .await
             .context("removing files panicked")??)
+    }
+}
+
+/// A received file as a child is told to look at it.
+fn order_of(file: &ReceivedFile, meta: &DatasetMeta, inspect: bool) -> Upload {
+    Upload {
+        path: file.path.clone(),
+        file_name: meta.file_name.clone(),
+        format: meta.format.clone(),
+        kind: meta.kind,
+        columns: meta.columns.clone(),
+        options: meta.options.clone(),
+        inspect,
     }
 }

@@ -50,6 +50,7 @@ pub(super) fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, checked: Check
         format,
         summary,
         warnings,
+        inspection: _,
     } = checked;
     let mut said = json!({
         "name": meta.name, "kind": summary.kind, "format": format, "columns": meta.columns, "sensors": meta.sensors
