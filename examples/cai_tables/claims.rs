@@ -1,5 +1,5 @@
 //! What no campaign of groups can say: mean squared errors of genetic fuzzy c-means, on scenes and on images, and ratios of times.
-//! Rows are those of `docs/data/cai-fuzzy.csv`.
+//! Rows are those of `docs/data/cai-fuzzy-errors.csv` and `cai-fuzzy-times.csv`.
 
 use super::{SCENES, base_of};
 use crate::segmentation::{Found, compare, image};
@@ -88,7 +88,7 @@ fn of_scene(scenario: &Scenario, seed: Seed) -> [Found; 4] {
 type Quantity = fn(&Found) -> f64;
 
 fn tell(cell: &str, found: &[[Found; 4]]) {
-    let preset = "cai_tables --genetic";
+    let preset = "cai-fuzzy-errors";
     let column = |method: usize, of: Quantity| -> Vec<f64> {
         found.iter().map(|found| of(&found[method])).collect()
     };
@@ -169,8 +169,8 @@ pub fn times(runs: u32) {
         body["grouper"] = json!({"method": "nearest_neighbour", "gate_sigmas": 3.0});
         let nearest = times_of(JobKind::Group, &body, runs);
         row_of_ratio(scene, "FCM over NN", &fuzzy, &nearest);
-        row("cai_tables --times", scene, "FCM of a scene (s)", &fuzzy);
-        row("cai_tables --times", scene, "NN of a scene (s)", &nearest);
+        row("cai-fuzzy-times", scene, "FCM of a scene (s)", &fuzzy);
+        row("cai-fuzzy-times", scene, "NN of a scene (s)", &nearest);
         of_scenes.push((nearest, fuzzy));
     }
     for (name, fewer, more) in [("cv", 0, 1), ("weave", 2, 3)] {
@@ -185,7 +185,7 @@ pub fn times(runs: u32) {
 fn row_of_ratio(cell: &str, quantity: &str, over: &[f64], under: &[f64]) {
     let pairs = over.iter().zip(under);
     let ratios: Vec<f64> = pairs.map(|(over, under)| over / under).collect();
-    row("cai_tables --times", cell, quantity, &ratios);
+    row("cai-fuzzy-times", cell, quantity, &ratios);
 }
 
 /// The job that a preset's campaign runs, without its kind.
