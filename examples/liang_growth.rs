@@ -1,14 +1,15 @@
 //! How the run time of Liang's experiment grows with targets and with scans, as rows of `docs/data/liang2009-growth.csv`: times of tracking
-//! and of the automaton, medians over runs with seeds 1, 2, … of the least of five tries each; ratios to nearest neighbour seed by seed;
-//! the slope of log time over log targets, and over log scans, with its 95 % interval (1 is linear).
+//! and of the automaton on the processor, medians over runs with seeds 1, 2, … of the least of five tries each (three above 100
+//! targets); ratios to nearest neighbour seed by seed; the slope of log time over log targets, and over log scans, with its 95 %
+//! interval (1 is linear).
 //!
-//! `cargo run --release -p trackloom-domain --example liang_growth`. Times of more than 100 targets are those on the processor, where
-//! Linux tells them. Up to 100 targets share the square of the paper; more have a larger square, radar and clutter, of the density of 100.
+//! `cargo run --release -p trackloom-domain --example liang_growth`. Up to 100 targets share the square of the paper; more have a
+//! larger square, radar and clutter, of the density of 100.
 
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::time::Instant;
+use std::time::UNIX_EPOCH;
 use trackloom_domain::experiment::observer::{Observer, Step};
 use trackloom_domain::experiment::{JobKind, Plan, plan, presets, run};
 use trackloom_domain::math::stats::{mean, quantile, slope, t_interval};
@@ -31,31 +32,31 @@ const PARTS: [(&str, Part); 3] = [
     ("both", both),
 ];
 
-/// Books the time between two calls on the step of the second, or on that of the first where the second only begins.
+/// Books the time between two looks at the clock on the step of the second, or on that of the first where the second only begins. It looks
+/// where a step begins or ends, for a look takes some microseconds.
 struct Watch {
-    clock_s: fn(Instant) -> f64,
-    start: Instant,
     last: (f64, Step),
     track_s: f64,
     judge_s: f64,
 }
 
-fn wall_s(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64()
-}
-
-/// Of this thread on a processor, which is booked up to now when the thread offers to step aside; asking takes some microseconds, so for
-/// long steps only.
-fn processor_s(start: Instant) -> f64 {
+/// Of this thread on a processor, which is booked up to now when the thread offers to step aside; the time of day where no Linux tells it.
+fn now_s() -> f64 {
     std::thread::yield_now();
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let spent_ns = text.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
-    spent_ns.map_or_else(|| wall_s(start), |spent_ns| spent_ns * 1e-9)
+    let since = UNIX_EPOCH
+        .elapsed()
+        .map_or(0.0, |since| since.as_secs_f64());
+    spent_ns.map_or(since, |spent_ns| spent_ns * 1e-9)
 }
 
 impl Observer for Watch {
-    fn progress(&mut self, step: Step, done: u64, _: u64) -> ControlFlow<()> {
-        let now_s = (self.clock_s)(self.start);
+    fn progress(&mut self, step: Step, done: u64, total: u64) -> ControlFlow<()> {
+        if done > 0 && done < total {
+            return ControlFlow::Continue(());
+        }
+        let now_s = now_s();
         match if done == 0 { self.last.1 } else { step } {
             Step::Associate => self.track_s += now_s - self.last.0,
             Step::Evaluate => self.judge_s += now_s - self.last.0,
@@ -96,23 +97,21 @@ fn job(targets: f64, scans: f64, method: &str) -> Plan {
 
 /// Other programs only ever add time to a try.
 const TRIES: u32 = 5;
+/// Of more than 100 targets.
+const LONG_TRIES: u32 = 3;
 
 /// For each associator and seed the least milliseconds of tracking and of judging. Associators take turns, so that what slows the
 /// machine for a while slows all of them.
 fn times_ms(targets: f64, scans: f64, runs: u32) -> Times {
-    let clock_s = if targets > 100.0 {
-        processor_s as fn(Instant) -> f64
-    } else {
-        wall_s
-    };
+    let tries = if targets > 100.0 { LONG_TRIES } else { TRIES };
     let mut found = [const { Vec::new() }; 3];
     let mut jobs = ASSOCIATORS.map(|(_, method)| job(targets, scans, method));
     for seed in 1..=runs {
         let mut least_ms = [[f64::INFINITY; 2]; 3];
-        for _ in 0..TRIES {
+        for _ in 0..tries {
             for (job, least_ms) in jobs.iter_mut().zip(&mut least_ms) {
                 job.seed = seed;
-                let spent_ms = try_s(job, clock_s).map(|spent_s| spent_s * 1e3);
+                let spent_ms = try_s(job).map(|spent_s| spent_s * 1e3);
                 *least_ms = [least_ms[0].min(spent_ms[0]), least_ms[1].min(spent_ms[1])];
             }
         }
@@ -124,12 +123,9 @@ fn times_ms(targets: f64, scans: f64, runs: u32) -> Times {
 }
 
 /// Seconds of tracking and of judging.
-fn try_s(job: &Plan, clock_s: fn(Instant) -> f64) -> [f64; 2] {
-    let start = Instant::now();
+fn try_s(job: &Plan) -> [f64; 2] {
     let mut watch = Watch {
-        clock_s,
-        start,
-        last: (clock_s(start), Step::Load),
+        last: (now_s(), Step::Load),
         track_s: 0.0,
         judge_s: 0.0,
     };

@@ -4,8 +4,8 @@
 
 TRACKLOOM is a release build of the program. Its preset `papers` leaves its campaigns in FOLDER (a temporary one unless said), while what no
 campaign can say is measured beside them on the other core; then the tables of docs/data are written, and the pictures of docs/pictures
-drawn. Campaigns give the same bytes on every machine. Times and memory are those of the machine at hand; the tables in MEASURED have
-nothing else. One row is one number, one file a preset.
+drawn. Campaigns give the same bytes on every machine. Times and memory are those of the machine at hand: liang2009-growth, liang2009-space,
+cai-fuzzy-times, wang-bat-times and the rows "time". One row is one number, one file a preset.
 """
 
 import csv
@@ -32,7 +32,6 @@ PRINTED = {
     "cai-fuzzy-times": ("cai_tables", "10", "--times"),
     "wang-bat-times": ("sonar",),
 }
-MEASURED = ["liang2009-growth", "liang2009-space", "cai-fuzzy-times", "wang-bat-times"]
 
 
 def main(trackloom, folder):
