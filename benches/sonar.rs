@@ -1,14 +1,15 @@
 //! `cargo bench -p trackloom-domain --bench sonar`: what deciding a scan costs on the scenes of bearings, in the yardstick u (one predict
 //! and update of a 4-state Kalman filter) measured in the same run, as a share of the sensor's scan period, and as a ratio to JPDA. Each
-//! associator meets all problems of a run once more, alone between two looks at the clock; the figure is the median of the timed runs.
+//! associator meets all problems of a run once more, alone between two looks at the processor's clock; the figure is the median of the timed runs.
 //! The rows are those of `docs/data/wang-bat-times.csv`.
 
 #[path = "support/yardstick.rs"]
 mod yardstick;
 
+use rustix::time::{ClockId, clock_gettime};
 use serde_json::json;
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use trackloom_domain::experiment::observer::{Observer, Step};
 use trackloom_domain::experiment::{plan, presets, run};
 use yardstick::yardstick_ns;
@@ -21,7 +22,8 @@ const SCENES: [(&str, u32); 4] = [
     ("wang-bat-sea-trials", 10),
 ];
 
-struct Clock(Instant);
+/// Of this thread on a processor.
+struct Clock;
 
 impl Observer for Clock {
     fn progress(&mut self, _: Step, _: u64, _: u64) -> ControlFlow<()> {
@@ -29,7 +31,7 @@ impl Observer for Clock {
     }
 
     fn now(&self) -> Option<Duration> {
-        Some(self.0.elapsed())
+        clock_gettime(ClockId::ThreadCPUTime).try_into().ok()
     }
 }
 
@@ -45,7 +47,7 @@ fn main() {
         let mut preset = presets::find(name).expect("the preset exists");
         preset.body["runs"] = json!(runs);
         let plan = plan(preset.kind, &preset.body).expect("a preset is a plan");
-        let outcome = run(&plan, Vec::new(), &mut Clock(Instant::now())).expect("a preset runs");
+        let outcome = run(&plan, Vec::new(), &mut Clock).expect("a preset runs");
         let period = &preset.body["base"]["input"]["scenario"]["scan_period_s"];
         let period_us = period.as_f64().expect("scans have a period") * 1e6;
         for time in outcome.cell_times {
