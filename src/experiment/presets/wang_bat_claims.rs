@@ -62,7 +62,7 @@ fn noise() -> Preset {
     let noises = json!({"by": "values", "name": "sigma_deg", "path": path, "values": [0.15, 0.3, 0.45, 0.6, 0.8, 1.0]});
     let summary = "two targets that cross once, little to much noise";
     let grid = [noises, contenders()];
-    let mut preset = preset("wang-bat-noise", summary, &two_targets(), &grid, 1000);
+    let mut preset = preset("wang-bat-noise", summary, &two_targets(), &grid, RUNS);
     preset.body["compare"]["to"] = json!("JPDA");
     preset
 }
