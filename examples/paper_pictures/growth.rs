@@ -38,7 +38,7 @@ pub fn growth(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
         "10 to 100 targets in one square",
         &[10, 30, 50, 80, 100],
         log_axis("targets", [9.0, 112.0], &[10.0, 20.0, 30.0, 50.0, 100.0]),
-        log_axis(time, [0.08, 1.2], &[0.1, 0.2, 0.5, 1.0]),
+        log_axis(time, [0.08, 3.0], &[0.1, 0.2, 0.5, 1.0, 2.0]),
     )?;
     let large = panel(
         &rows,
