@@ -1,13 +1,4 @@
-"""The numbers of Cai et al. and of the genetic c-means page in docs/papers.md, one a row.
-
-`rows(folder)` reads what `trackloom run --preset papers --out papers` leaves, and what two examples leave beside it:
-
-    cargo run --release -p trackloom-domain --example cai_tables -- --genetic > papers/cai-fuzzy-errors.csv
-    cargo run --release -p trackloom-domain --example cai_tables -- 10 --times > papers/cai-fuzzy-times.csv
-"""
-
-import csv
-from pathlib import Path
+"""The numbers of the campaigns of Cai et al. and of the genetic c-means page in docs/papers.md, one a row."""
 
 from campaign import Campaign, ends
 
@@ -22,23 +13,16 @@ KEPT = {
     "cai-fuzzy-genetic": {"accuracy": True, "iterations": False, "J": True},
 }
 
-EXAMPLES = ["cai-fuzzy-errors.csv", "cai-fuzzy-times.csv"]
-
 CLUSTERS = 25
 
 
-def rows(folder):
-    folder = Path(folder)
+def campaign_rows(folder):
     for preset, kept in KEPT.items():
         of = Campaign.of(folder, preset)
         for cell in of.cells:
             yield from of.outcomes(cell, kept)
             if preset == "cai-fuzzy-duplicates":
                 yield distances(of, cell)
-    for name in EXAMPLES:
-        if (folder / name).exists():
-            with open(folder / name, newline="") as file:
-                yield from csv.DictReader(file)
 
 
 def distances(of, cell):

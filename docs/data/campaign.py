@@ -2,6 +2,8 @@
 
 import csv
 import json
+import math
+import statistics
 from collections import defaultdict
 from pathlib import Path
 
@@ -61,3 +63,29 @@ def written(number):
 
 def ends(interval):
     return interval and (interval["low"], interval["high"])
+
+
+def mean(numbers):
+    """Mean, t interval and count."""
+    middle, count = statistics.fmean(numbers), len(numbers)
+    half = t_quantile(count - 1) * statistics.stdev(numbers) / math.sqrt(count)
+    return middle, (middle - half, middle + half), count
+
+
+def t_quantile(degrees):
+    """The 0.975 quantile of Student's t, by bisection of Simpson's rule."""
+    scale = math.exp(math.lgamma((degrees + 1) / 2) - math.lgamma(degrees / 2)) / math.sqrt(degrees * math.pi)
+
+    def density(x):
+        return scale * (1 + x * x / degrees) ** (-(degrees + 1) / 2)
+
+    def area(end, steps=400):
+        width = end / steps
+        inner = sum((4 if step % 2 else 2) * density(step * width) for step in range(1, steps))
+        return width / 3 * (density(0) + inner + density(end))
+
+    low, high = 0.0, 20.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if area(middle) < 0.475 else (low, middle)
+    return low

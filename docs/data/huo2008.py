@@ -4,7 +4,7 @@ import math
 import statistics
 
 import huo2008_plain
-from campaign import Campaign, ends
+from campaign import Campaign, ends, mean
 
 # Outcomes that the page uses, and whether their difference to the cell that a cell is compared with is used, too.
 KEPT = {
@@ -22,14 +22,7 @@ STUDIED = ("nearest", "weighted", "genetic", "exact", "the paper's coding")
 TIMED = ["huo2008-printed", "huo2008-integer-programming", "huo2008-relaxation"]
 
 
-def rows(folder):
-    yield from campaign_rows(folder)
-    plain = Campaign("huo2008-printed", 1)
-    yield from shares_and_gaps(plain, "3 × 10, plain program", huo2008_plain.gaps())
-
-
 def campaign_rows(folder):
-    """Without the plain program, which takes minutes."""
     for preset, kept in KEPT.items():
         of = Campaign.of(folder, preset)
         runs = of.runs()
@@ -40,6 +33,12 @@ def campaign_rows(folder):
             yield from counted(of, cell, runs)
         if preset in TIMED:
             yield from of.time_ratios()
+
+
+def plain_rows():
+    """Of the plain program, which takes minutes."""
+    plain = Campaign("huo2008-printed", 1)
+    return shares_and_gaps(plain, "3 × 10, plain program", huo2008_plain.gaps())
 
 
 def counted(of, cell, runs_of):
@@ -70,13 +69,6 @@ def false_tuples(runs):
     return [run["tuples"] - run["true tuples"] for run in runs]
 
 
-def mean(numbers):
-    """Mean, t interval and count."""
-    middle, count = statistics.fmean(numbers), len(numbers)
-    half = t_quantile(count - 1) * statistics.stdev(numbers) / math.sqrt(count)
-    return middle, (middle - half, middle + half), count
-
-
 def share(successes, count):
     """Share, Wilson's interval and count."""
     z = statistics.NormalDist().inv_cdf(0.975)
@@ -84,22 +76,3 @@ def share(successes, count):
     half = z * math.sqrt(p * (1 - p) / count + z * z / (4 * count * count)) / grown
     centre = (p + z * z / (2 * count)) / grown
     return p, (max(0.0, centre - half), min(1.0, centre + half)), count
-
-
-def t_quantile(degrees):
-    """The 0.975 quantile of Student's t, by bisection of Simpson's rule."""
-    scale = math.exp(math.lgamma((degrees + 1) / 2) - math.lgamma(degrees / 2)) / math.sqrt(degrees * math.pi)
-
-    def density(x):
-        return scale * (1 + x * x / degrees) ** (-(degrees + 1) / 2)
-
-    def area(end, steps=400):
-        width = end / steps
-        inner = sum((4 if step % 2 else 2) * density(step * width) for step in range(1, steps))
-        return width / 3 * (density(0) + inner + density(end))
-
-    low, high = 0.0, 20.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if area(middle) < 0.475 else (low, middle)
-    return low

@@ -10,30 +10,40 @@ import tempfile
 from collections import defaultdict
 from pathlib import Path
 
-from campaign import Campaign
+from campaign import Campaign, mean, t_quantile
 
 CAMPAIGNS = ["liang2009-table1", "liang2009-clutter", "liang2009-beginnings"]
 # Seconds of the paper's Table 1: targets, NN, PDA, JPDA.
 TABLE_1 = [(10, 0.52, 0.60, 0.67), (30, 1.62, 1.84, 2.05), (50, 2.56, 2.83, 3.14),
            (80, 4.12, 4.23, 4.40), (100, 5.25, 5.36, 5.52)]
-METHODS = {"NN": "nearest_neighbour", "PDA": "pda", "JPDA": "jpda"}
 SEEDS = 20
 
 
-def rows(folder):
+def campaign_rows(folder):
     """Of the campaigns that `trackloom run --preset papers` leaves in a folder."""
     for preset in CAMPAIGNS:
         of = Campaign.of(folder, preset)
         for cell in of.cells:
             yield from of.outcomes(cell, dict.fromkeys(cell["outcomes"], True))
+    yield from jpda_beside_pda(Campaign.of(folder, CAMPAIGNS[0]))
 
 
-def measured(trackloom):
-    """Times as ratios, memory, and errors around a switch, of this program."""
+def jpda_beside_pda(of):
+    """What the differences to NN do not say."""
+    runs = of.runs()
+    for targets, *_ in TABLE_1:
+        cell, other = f"{targets}, JPDA", f"{targets}, PDA"
+        differences = [one["P correct"] - two["P correct"] for one, two in zip(runs[cell], runs[other])]
+        yield of.row(cell, f"P correct, less {other}", *mean(differences))
+        yield of.row(cell, f"runs that differ from {other}", sum(map(bool, differences)), None, len(differences))
+
+
+def of_jobs(trackloom):
+    """The paper's own times and how they grow, memory, and errors around a switch."""
     with tempfile.TemporaryDirectory() as folder:
         program = Program(trackloom, Path(folder))
-        for part in (times_beside_table_1, over_length, memory, around_switches):
-            for table, cell, quantity, value, low, high, runs in part(program):
+        for found in (published(), memory(program), around_switches(program)):
+            for table, cell, quantity, value, low, high, runs in found:
                 interval = None if low is None else (low, high)
                 yield Campaign(f"liang2009-{table}", 1).row(cell, quantity, value, interval, runs)
 
@@ -50,11 +60,11 @@ class Program:
     def call(self, *arguments):
         return subprocess.run([self.trackloom, *arguments], check=True, capture_output=True, text=True).stdout
 
-    def run(self, method="NN", targets=100, scans=30, seed=1, density=1):
-        """The report, the folder of files and the peak of memory (MB)."""
-        body = json.loads(json.dumps(self.base)) | {"seed": seed, "associator": {"method": METHODS[method]}}
+    def run(self, targets, seed=1, density=1):
+        """The folder of files and the peak of memory (MB)."""
+        body = json.loads(json.dumps(self.base)) | {"seed": seed, "associator": {"method": "nearest_neighbour"}}
         scenario, scale = body["input"]["scenario"], max(1.0, targets / 100 / density)
-        scenario["scans"], scenario["targets"]["count"] = scans, targets
+        scenario["targets"]["count"] = targets
         scenario["targets"]["area_side_m"] *= math.sqrt(scale)
         scenario["sensors"][0]["max_range_m"] *= math.sqrt(scale)
         scenario["sensors"][0]["clutter_per_scan"] *= scale * density
@@ -64,55 +74,41 @@ class Program:
                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         _, status, usage = os.wait4(child.pid, 0)
         assert status == 0, status
-        return json.loads((out / "report.json").read_text()), out, usage.ru_maxrss / 1e3
+        return out, usage.ru_maxrss / 1e3
 
 
-def spent(program, **job):
-    """Tracking and automaton (s), the least of five."""
-    timings = [program.run(**job)[0]["timing"] for _ in range(5)]
-    return min(t["associate_s"] for t in timings), min(t["evaluate_s"] for t in timings)
-
-
-def times_beside_table_1(program):
-    ours = {}
-    for targets, nn, pda, jpda in TABLE_1:
-        for method, paper in (("NN", nn), ("PDA", pda), ("JPDA", jpda)):
-            times = [spent(program, method=method, targets=targets, seed=seed) for seed in range(1, SEEDS + 1)]
-            ours[targets, method] = [sum(time) for time in times]
-            whole, automaton = statistics.median(map(sum, times)), statistics.median(t[1] for t in times)
-            yield "times", f"{targets}, {method}", "paper s", paper, None, None, 1
-            yield "times", f"{targets}, {method}", "to NN, paper", paper / nn, None, None, 1
-            ratios = [a / b for a, b in zip(ours[targets, method], ours[targets, "NN"])]
-            yield "times", f"{targets}, {method}", "to NN", *interval(ratios)
-            yield "times", f"{targets}, {method}", "automaton to whole", automaton / whole, None, None, SEEDS
-
-
-def over_length(program):
-    lengths = [15, 30, 60, 120, 240]
-    for part, name in ((0, "tracking"), (1, "automaton")):
-        slopes = []
-        for seed in range(1, 6):
-            times = [spent(program, targets=1000, scans=scans, seed=seed)[part] for scans in lengths]
-            slopes.append(slope(lengths, times))
-        yield "length", "1000 targets, 15 to 240 scans", f"slope of {name}", *interval(slopes)
+def published():
+    """Seconds of the paper's Table 1, and what they are to those of NN."""
+    for targets, *times in TABLE_1:
+        for method, time in zip(("NN", "PDA", "JPDA"), times):
+            yield "published", f"{targets}, {method}", "s", time, None, None, 1
+            yield "published", f"{targets}, {method}", "to NN", time / times[0], None, None, 1
+    for place, method in enumerate(("NN", "PDA", "JPDA")):
+        found = slope([line[0] for line in TABLE_1], [line[1 + place] for line in TABLE_1])
+        yield "published", f"10 to 100, {method}", "slope", *found, len(TABLE_1)
 
 
 def memory(program):
     counts = [100, 1000, 10000, 30000]
-    peaks = [program.run(targets=targets)[2] for targets in counts]
+    peaks = [program.run(targets)[1] for targets in counts]
     for targets, peak in zip(counts, peaks):
         yield "space", f"{targets} targets", "peak MB", peak, None, None, 1
-    yield "space", "1000 to 30000 targets", "slope", slope(counts[1:], peaks[1:]), None, None, 1
+    found, *_ = slope(counts[1:], peaks[1:])
+    yield "space", "1000 to 30000 targets", "slope", found, None, None, 1
+    kilobytes = (peaks[-1] - peaks[1]) / (counts[-1] - counts[1]) * 1e3
+    yield "space", "1000 to 30000 targets", "kB a further target", kilobytes, None, None, 1
 
 
 def around_switches(program):
-    """Position error (m) of tracks before and after their first detection of another target or of clutter. At the paper's density
-    there are none worth counting: ten times as many targets and false detections here."""
+    """Position error (m) of tracks before and after their first detection of another target or of clutter, at ten times the paper's density;
+    at the paper's how many tracks there are with one."""
     errors = defaultdict(list)
     for seed in range(1, SEEDS + 1):
-        _, out, _ = program.run(seed=seed, targets=1000, density=10)
+        out, _ = program.run(1000, seed, density=10)
         for offset, error in switches(out):
             errors[offset].append(error)
+    wrong = sum(offset == 0 for seed in range(1, SEEDS + 1) for offset, _ in switches(program.run(100, seed)[0]))
+    yield "switches", "density of the paper", "tracks with a wrong detection", wrong, None, None, SEEDS
     for offset in sorted(errors):
         yield "switches", f"{offset:+d} scans", "median error m", *middle(errors[offset])
 
@@ -146,19 +142,13 @@ def place(row):
 
 
 def slope(xs, ys):
+    """Of log over log, with its 95 % interval."""
     xs, ys = [math.log(x) for x in xs], [math.log(y) for y in ys]
-    return statistics.linear_regression(xs, ys).slope
-
-
-T_97_5 = {4: 2.776, 19: 2.093}
-
-
-def interval(values):
-    """Mean with its 95 % interval of t."""
-    mean, half = statistics.mean(values), 0.0
-    if len(values) > 1:
-        half = T_97_5[len(values) - 1] * statistics.stdev(values) / math.sqrt(len(values))
-    return mean, mean - half, mean + half, len(values)
+    found, offset = statistics.linear_regression(xs, ys)
+    left = sum((y - offset - found * x) ** 2 for x, y in zip(xs, ys))
+    degrees, spread = len(xs) - 2, statistics.pvariance(xs) * len(xs)
+    half = t_quantile(degrees) * math.sqrt(left / degrees / spread)
+    return found, found - half, found + half
 
 
 def middle(values):

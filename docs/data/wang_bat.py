@@ -8,6 +8,7 @@ from campaign import Campaign
 # Outcomes that the page uses, of each preset: with the difference to what the cell is compared with, where that is used.
 KEPT = {
     "wang-bat-tables": {"identity": True, "stay": False, "error_deg": True, "error_kept_deg": False, "optimum_reached": False},
+    "wang-bat-noise": {"identity": True, "stay": False, "error_deg": True},
     "wang-bat-clutter": {"identity": True, "error_deg": False},
     "wang-bat-targets": {"identity": True, "error_deg": False},
     "wang-bat-crossings": {"identity": True, "error_deg": False},
@@ -24,7 +25,7 @@ TIMED = "wang-bat-tables"
 Z_97_5 = 1.96
 
 
-def rows(folder):
+def campaign_rows(folder):
     for preset, kept in KEPT.items():
         of = Campaign.of(folder, preset)
         for cell in of.cells:

@@ -1,8 +1,9 @@
 //! What no campaign of groups can say: mean squared errors of genetic fuzzy c-means, on scenes and on images, and ratios of times.
-//! Rows are those of `docs/data/cai-fuzzy.csv`.
+//! Rows are those of `docs/data/cai-fuzzy-errors.csv` and `cai-fuzzy-times.csv`.
 
 use super::{SCENES, base_of};
 use crate::segmentation::{Found, compare, image};
+use rustix::time::{ClockId, clock_gettime};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use trackloom_domain::experiment::observer::{Observer, Step};
@@ -88,7 +89,7 @@ fn of_scene(scenario: &Scenario, seed: Seed) -> [Found; 4] {
 type Quantity = fn(&Found) -> f64;
 
 fn tell(cell: &str, found: &[[Found; 4]]) {
-    let preset = "cai_tables --genetic";
+    let preset = "cai-fuzzy-errors";
     let column = |method: usize, of: Quantity| -> Vec<f64> {
         found.iter().map(|found| of(&found[method])).collect()
     };
@@ -113,18 +114,13 @@ fn tell(cell: &str, found: &[[Found; 4]]) {
     }
 }
 
-/// Time of this thread on a processor, which is booked up to now when the thread offers to step aside.
+/// Time of this thread on a processor.
 fn processor_s() -> f64 {
-    std::thread::yield_now();
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux tells it");
-    let spent_ns = text
-        .split(' ')
-        .next()
-        .and_then(|word| word.parse::<f64>().ok());
-    spent_ns.expect("a number") * 1e-9
+    let spent = clock_gettime(ClockId::ThreadCPUTime);
+    spent.tv_sec as f64 + spent.tv_nsec as f64 * 1e-9
 }
 
-/// From the first to the last instant, or scan, that is associated.
+/// From the end of what comes before to the last instant, or scan, that is associated.
 #[derive(Default)]
 pub struct Watch {
     begun_s: f64,
@@ -133,50 +129,69 @@ pub struct Watch {
 
 impl Observer for Watch {
     fn progress(&mut self, step: Step, done: u64, total: u64) -> ControlFlow<()> {
-        if step == Step::Associate && done == 0 {
+        if step != Step::Associate || done == 0 {
             self.begun_s = processor_s();
-        } else if step == Step::Associate && done == total {
+        } else if done == total {
             self.spent_s = processor_s() - self.begun_s;
         }
         ControlFlow::Continue(())
     }
 }
 
-/// Of a job, for each seed the least of three.
-fn times_of(kind: JobKind, body: &Value, runs: u32) -> Vec<f64> {
-    let mut body = body.clone();
-    let mut spent = Vec::new();
+/// Of each job, for each seed the least of five. Jobs take turns, so that what slows the machine for a while slows all of them.
+fn times_of(kind: JobKind, bodies: &[Value], runs: u32) -> Vec<Vec<f64>> {
+    let mut spent = vec![Vec::new(); bodies.len()];
     for seed in 1..=runs {
-        body["seed"] = json!(seed);
-        let plan = plan(kind, &body).expect("the body is right");
-        let mut least_s = f64::INFINITY;
-        for _ in 0..3 {
-            let mut watch = Watch::default();
-            run(&plan, Vec::new(), &mut watch).expect("the job succeeds");
-            least_s = least_s.min(watch.spent_s);
+        let mut least_s = vec![f64::INFINITY; bodies.len()];
+        for _ in 0..5 {
+            for (body, least_s) in bodies.iter().zip(&mut least_s) {
+                *least_s = least_s.min(time_of(kind, body, seed));
+            }
         }
-        spent.push(least_s);
+        for (spent, least_s) in spent.iter_mut().zip(least_s) {
+            spent.push(least_s);
+        }
     }
     spent
 }
 
+fn time_of(kind: JobKind, body: &Value, seed: u32) -> f64 {
+    let mut body = body.clone();
+    body["seed"] = json!(seed);
+    let plan = plan(kind, &body).expect("the body is right");
+    let mut watch = Watch::default();
+    run(&plan, Vec::new(), &mut watch).expect("the job succeeds");
+    watch.spent_s
+}
+
 /// Ratios of times on the processor, run by run in one process.
 pub fn times(runs: u32) {
-    let mut of_scenes = Vec::new();
+    let mut bodies = Vec::new();
     for scene in SCENES {
         let mut body = base_of(scene);
-        let fuzzy = times_of(JobKind::Group, &body, runs);
+        bodies.push(body.clone());
         body["grouper"] = json!({"method": "nearest_neighbour", "gate_sigmas": 3.0});
-        let nearest = times_of(JobKind::Group, &body, runs);
-        row_of_ratio(scene, "FCM over NN", &fuzzy, &nearest);
-        row("cai_tables --times", scene, "FCM of a scene (s)", &fuzzy);
-        row("cai_tables --times", scene, "NN of a scene (s)", &nearest);
-        of_scenes.push((nearest, fuzzy));
+        bodies.push(body);
     }
-    for (name, fewer, more) in [("cv", 0, 1), ("weave", 2, 3)] {
-        let (fewer, more) = (&of_scenes[fewer], &of_scenes[more]);
-        row_of_ratio(name, "NN of 15 duplicates over 10", &more.0, &fewer.0);
-        row_of_ratio(name, "FCM of 15 duplicates over 10", &more.1, &fewer.1);
+    let found = times_of(JobKind::Group, &bodies, runs);
+    for (scene, pair) in SCENES.iter().zip(found.chunks(2)) {
+        row_of_ratio(scene, "FCM over NN", &pair[0], &pair[1]);
+        row("cai-fuzzy-times", scene, "FCM of a scene (s)", &pair[0]);
+        row("cai-fuzzy-times", scene, "NN of a scene (s)", &pair[1]);
+    }
+    for (name, of_motion) in ["cv", "weave"].iter().zip(found.chunks(4)) {
+        row_of_ratio(
+            name,
+            "NN of 15 duplicates over 10",
+            &of_motion[3],
+            &of_motion[1],
+        );
+        row_of_ratio(
+            name,
+            "FCM of 15 duplicates over 10",
+            &of_motion[2],
+            &of_motion[0],
+        );
     }
     groupers(runs);
     trackers(runs);
@@ -185,7 +200,7 @@ pub fn times(runs: u32) {
 fn row_of_ratio(cell: &str, quantity: &str, over: &[f64], under: &[f64]) {
     let pairs = over.iter().zip(under);
     let ratios: Vec<f64> = pairs.map(|(over, under)| over / under).collect();
-    row("cai_tables --times", cell, quantity, &ratios);
+    row("cai-fuzzy-times", cell, quantity, &ratios);
 }
 
 /// The job that a preset's campaign runs, without its kind.
@@ -197,31 +212,29 @@ fn base_of_claim(name: &str) -> Value {
 
 /// Groupers by one attribute and by several.
 fn groupers(runs: u32) {
+    let sets = [
+        json!(["range"]),
+        json!(["range", "bearing"]),
+        json!(["range", "bearing", "range_rate"]),
+        json!(["position", "range", "bearing", "range_rate"]),
+    ];
     let mut body = base_of_claim("cai-fuzzy-attributes");
-    let mut of_all = Vec::new();
-    for (name, method) in [("NN", "nearest_neighbour"), ("FCM", "fuzzy_c_means")] {
+    let mut bodies = Vec::new();
+    for method in ["nearest_neighbour", "fuzzy_c_means"] {
         body["grouper"] = json!({"method": method});
-        body["attributes"] = json!(["range"]);
-        let single = times_of(JobKind::Group, &body, runs);
-        let mut several = Vec::new();
-        for set in [
-            json!(["range", "bearing"]),
-            json!(["range", "bearing", "range_rate"]),
-            json!(["position", "range", "bearing", "range_rate"]),
-        ] {
-            let count = set.as_array().map_or(0, Vec::len);
-            body["attributes"] = set;
-            several = times_of(JobKind::Group, &body, runs);
-            row_of_ratio(
-                name,
-                &format!("{count} attributes over one"),
-                &several,
-                &single,
-            );
+        for set in &sets {
+            body["attributes"] = set.clone();
+            bodies.push(body.clone());
         }
-        of_all.push(several);
     }
-    row_of_ratio("four attributes", "FCM over NN", &of_all[1], &of_all[0]);
+    let found = times_of(JobKind::Group, &bodies, runs);
+    for (name, of_method) in ["NN", "FCM"].iter().zip(found.chunks(4)) {
+        for count in 2..=4 {
+            let quantity = format!("{count} attributes over one");
+            row_of_ratio(name, &quantity, &of_method[count - 1], &of_method[0]);
+        }
+    }
+    row_of_ratio("four attributes", "FCM over NN", &found[7], &found[3]);
 }
 
 /// Trackers of one sensor with and without range rates.
@@ -242,10 +255,10 @@ fn trackers(runs: u32) {
     ] {
         body["associator"] = associator;
         body["input"]["scenario"]["sensors"][0] = sensor.clone();
-        let two = times_of(JobKind::Evaluate, &body, runs);
-        body["input"]["scenario"]["sensors"][0]["sigma_range_rate_mps"] = json!(10.0);
-        let three = times_of(JobKind::Evaluate, &body, runs);
+        let mut three = body.clone();
+        three["input"]["scenario"]["sensors"][0]["sigma_range_rate_mps"] = json!(10.0);
+        let found = times_of(JobKind::Evaluate, &[body.clone(), three], runs);
         let cell = format!("{name} as associator");
-        row_of_ratio(&cell, "three values over two", &three, &two);
+        row_of_ratio(&cell, "three values over two", &found[1], &found[0]);
     }
 }

@@ -4,7 +4,7 @@
 //! `cargo run --example cai_tables [-- RUNS [FIRST_SEED]]`; 25 runs from seed 1 unless said otherwise. With `--calibrate` the
 //! nearest neighbour and fuzzy c-means alone, over noises and spacings around those of the presets. `--only=WORD` restricts the
 //! table to contenders whose names hold the word; `--search` shows the genetic search with more and more runs. `--genetic` and `--times`
-//! print rows of `docs/data/cai-fuzzy.csv`: errors and J of genetic fuzzy c-means, and ratios of times.
+//! print the rows of `docs/data/cai-fuzzy-errors.csv` and `cai-fuzzy-times.csv`: errors and J of genetic fuzzy c-means, and times.
 
 mod claims;
 #[path = "../../tests/domain/segmentation.rs"]

@@ -1,26 +1,18 @@
-//! The pictures of `docs/papers.md`, from what its commands leave in a folder:
+//! The pictures of `docs/papers.md`, from what the campaigns and `liang_growth` leave in a folder: `docs/data/make.py` runs them all.
 //!
-//! ```text
-//! trackloom run --preset papers --out papers
-//! cargo run --release -p trackloom-domain --example liang_growth > papers/growth.md
-//! cargo run --release -p trackloom-domain --example liang_growth -- 1 10 30 100 1000 3000 10000 30000 100000 > papers/growth-large.md
-//! cargo run --release -p trackloom-domain --example paper_pictures -- papers docs/pictures
-//! ```
+//! `cargo run --release -p trackloom-domain --example paper_pictures -- papers docs/pictures`
 //!
 //! Bands and bars are 95 % intervals.
 
 mod chart;
+mod growth;
 mod wang;
 
 use chart::{Axis, Drawn, Panel, Point, Series, draw};
-use serde_json::json;
 use std::collections::HashMap;
 use std::error::Error;
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::Path;
-use trackloom_domain::experiment::observer::{Observer, Step};
-use trackloom_domain::experiment::{plan, presets, run};
 
 /// `cells.csv` of a campaign: mean and interval by cell and outcome.
 struct Cells(HashMap<(String, String), [f64; 3]>);
@@ -190,129 +182,6 @@ fn liang(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
     )
 }
 
-/// The rows of a table of `liang_growth`: targets and milliseconds of tracking and automaton; then the slopes of both with their intervals.
-type Growth = (Vec<(f64, [f64; 3])>, [[f64; 3]; 3]);
-
-fn growth_of(file: &Path) -> Result<Growth, Box<dyn Error>> {
-    let text = fs::read_to_string(file)?;
-    let numbers = |cell: &str| {
-        cell.split([' ', '(', ')'])
-            .filter_map(|word| word.parse::<f64>().ok())
-            .collect::<Vec<_>>()
-    };
-    let (mut rows, mut slopes) = (Vec::new(), [[0.0; 3]; 3]);
-    for line in text.lines() {
-        let cells: Vec<&str> = line.trim_matches('|').split('|').collect();
-        if let [first, of_associators @ ..] = cells.as_slice() {
-            let found: Vec<Vec<f64>> = of_associators.iter().map(|cell| numbers(cell)).collect();
-            if let Ok(targets) = first.trim().parse() {
-                rows.push((
-                    targets,
-                    [0, 1, 2].map(|associator| found[associator].iter().sum()),
-                ));
-            } else if first.trim() == "slope of both" {
-                slopes =
-                    [0, 1, 2].map(|associator| [0, 1, 2].map(|number| found[associator][number]));
-            }
-        }
-    }
-    if rows.is_empty() || slopes[0] == [0.0; 3] {
-        Err(format!("{} is no table of liang_growth", file.display()).into())
-    } else {
-        Ok((rows, slopes))
-    }
-}
-
-/// Run time over targets with the fitted line, the slopes of its interval through the middle of the points, and a line of slope 1.
-fn growth_panel(
-    file: &Path,
-    title: &'static str,
-    x: Axis,
-    y: Axis,
-) -> Result<Panel, Box<dyn Error>> {
-    let (rows, slopes) = growth_of(file)?;
-    let ends = [rows[0].0.log10(), rows[rows.len() - 1].0.log10()];
-    let mut series = Vec::new();
-    for (look, name) in ASSOCIATORS.iter().enumerate() {
-        let points: Vec<(f64, f64)> = rows
-            .iter()
-            .map(|(targets, times_ms)| (targets.log10(), times_ms[look].log10()))
-            .collect();
-        let count = points.len() as f64;
-        let middle = (
-            points.iter().map(|point| point.0).sum::<f64>() / count,
-            points.iter().map(|point| point.1).sum::<f64>() / count,
-        );
-        let at = |x: f64, slope: f64| middle.1 + slope * (x - middle.0);
-        let [slope, low, high] = slopes[look];
-        let fit = [ends[0], middle.0, ends[1]].map(|x| Point {
-            x,
-            y: at(x, slope),
-            low: at(x, low),
-            high: at(x, high),
-        });
-        let dots = points
-            .iter()
-            .map(|&(x, y)| Point {
-                x,
-                y,
-                low: y,
-                high: y,
-            })
-            .collect();
-        series.push(Series {
-            name: format!("{name}: slope {slope:.2} ({low:.2} to {high:.2})"),
-            look,
-            drawn: Drawn::Fit,
-            points: fit.to_vec(),
-        });
-        series.push(Series {
-            name: format!("{name}, measured"),
-            look,
-            drawn: Drawn::Dots,
-            points: dots,
-        });
-        if look == 2 {
-            let linear = ends.map(|x| Point {
-                x,
-                y: at(x, 1.0),
-                low: 0.0,
-                high: 0.0,
-            });
-            series.push(Series {
-                name: "linear: slope 1".to_owned(),
-                look: 5,
-                drawn: Drawn::Rule,
-                points: linear.to_vec(),
-            });
-        }
-    }
-    series.sort_by_key(|series| series.drawn == Drawn::Dots);
-    Ok(Panel {
-        title,
-        x,
-        y,
-        series,
-    })
-}
-
-fn growth(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
-    let time = "tracking and automaton, 30 scans (ms)";
-    let small = growth_panel(
-        &folder.join("growth.md"),
-        "10 to 100 targets in one square",
-        log_axis("targets", [9.0, 112.0], &[10.0, 20.0, 30.0, 50.0, 100.0]),
-        log_axis(time, [0.08, 1.2], &[0.1, 0.2, 0.5, 1.0]),
-    )?;
-    let large = growth_panel(
-        &folder.join("growth-large.md"),
-        "10 to 100 000 targets, at one density from 100 on",
-        log_axis("targets", [7.0, 150_000.0], &[10.0, 100.0, 1e3, 1e4, 1e5]),
-        log_axis(time, [0.1, 6000.0], &[0.1, 1.0, 10.0, 100.0, 1000.0]),
-    )?;
-    draw(&out.join("liang-growth.svg"), &[small, large])
-}
-
 /// Shares put together exactly, and what the paper has.
 fn cai(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
     let cells = Cells::of_campaign(folder, "cai-fuzzy-tables")?;
@@ -364,75 +233,6 @@ fn cai(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
             y: percent("share of targets (%)", 70.0, 5.0),
             series,
         }],
-    )
-}
-
-/// Does not stop.
-struct Patient;
-
-impl Observer for Patient {
-    fn progress(&mut self, _: Step, _: u64, _: u64) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-}
-
-/// η over the noise: the scene `wang-bat-2` with more noises than the paper's two.
-fn wang_eta(out: &Path) -> Result<(), Box<dyn Error>> {
-    let noises_deg = [0.15, 0.3, 0.45, 0.6, 0.8, 1.0];
-    let names = [
-        "NN, shared",
-        "GNN",
-        "BADA, sum",
-        "JPDA, enumerated",
-        "NN, closest pair",
-    ];
-    let mut body = presets::find("wang-bat-2")
-        .ok_or("there is no preset wang-bat-2")?
-        .body;
-    body["runs"] = json!(1000);
-    body["grid"][0]["values"] = json!(noises_deg);
-    if let Some(variants) = body["grid"][1]["variants"].as_array_mut() {
-        variants.retain(|variant| names.iter().any(|name| variant["name"] == *name));
-    }
-    let plan = plan(trackloom_domain::experiment::JobKind::Campaign, &body)
-        .map_err(|faults| format!("{faults:?}"))?;
-    let outcome = run(&plan, Vec::new(), &mut Patient)?;
-    let table = outcome
-        .artifacts
-        .iter()
-        .find(|file| file.name == "cells.csv")
-        .ok_or("a campaign has cells.csv")?;
-    let cells = Cells::of(&table.bytes)?;
-    let panel = |title: &'static str, kept: &str| -> Result<Panel, Box<dyn Error>> {
-        let of = |(look, name): (usize, &&str)| {
-            cells.series(
-                name,
-                (look, Drawn::Curve),
-                (kept, 100.0),
-                noises_deg
-                    .iter()
-                    .map(|noise| (*noise, format!("{noise:?}, {name}"))),
-            )
-        };
-        let series = names.iter().enumerate().map(of).collect::<Result<_, _>>()?;
-        let x = axis(
-            "standard deviation of a bearing (°)",
-            [0.1, 1.05],
-            &[0.2, 0.4, 0.6, 0.8, 1.0],
-        );
-        Ok(Panel {
-            title,
-            x,
-            y: percent("η, runs in which every track stays right (%)", 60.0, 10.0),
-            series,
-        })
-    };
-    draw(
-        &out.join("wang-eta.svg"),
-        &[
-            panel("η by identity at the end", "identity")?,
-            panel("η by staying all the time", "stay")?,
-        ],
     )
 }
 
@@ -503,10 +303,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (folder, out) = (Path::new(&folder), Path::new(&out));
     fs::create_dir_all(out)?;
     wang::figures(out)?;
+    wang::eta_over_noise(folder, out)?;
     wang::eta(folder, out)?;
     liang(folder, out)?;
-    growth(folder, out)?;
+    growth::growth(folder, out)?;
     cai(folder, out)?;
-    wang_eta(out)?;
     huo(folder, out)
 }

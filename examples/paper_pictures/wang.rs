@@ -1,12 +1,13 @@
 //! Figures 1 to 5 of Wang, Li, Huang: the echoes of two targets, the tracks of three associators, six targets, and the record of the
 //! sea trial without and with its tracks; and η over clutter, targets and crossings.
 
+use crate::Cells;
 use crate::chart::{Axis, Drawn, Panel, Point, Series, draw};
-use crate::{Cells, Patient};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::fs;
 use std::path::Path;
+use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::experiment::{JobKind, Outcome, plan, presets, run};
 
 pub fn figures(out: &Path) -> Result<(), Box<dyn Error>> {
@@ -106,6 +107,56 @@ fn sea_trial(out: &Path) -> Result<(), Box<dyn Error>> {
     Ok(fs::write(out.join("wang-figure-5.svg"), tracked)?)
 }
 
+/// η over the noise of a bearing, by both definitions of a kept run.
+pub fn eta_over_noise(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
+    let cells = Cells::of_campaign(folder, "wang-bat-noise")?;
+    let noises_deg = [0.15, 0.3, 0.45, 0.6, 0.8, 1.0].map(|noise| (noise, format!("{noise:?}")));
+    let panel = |title: &'static str, kept: &str| -> Result<Panel, Box<dyn Error>> {
+        let ticks = [0.2, 0.4, 0.6, 0.8, 1.0];
+        let x = crate::axis("standard deviation of a bearing (°)", [0.1, 1.05], &ticks);
+        let y = crate::percent("η, runs in which every track stays right (%)", 60.0, 10.0);
+        let series = associators(&cells, &NAMES[..5], &noises_deg, kept)?;
+        Ok(Panel {
+            title,
+            x,
+            y,
+            series,
+        })
+    };
+    let panels = [
+        panel("η by identity at the end", "identity")?,
+        panel("η by staying all the time", "stay")?,
+    ];
+    draw(&out.join("wang-eta.svg"), &panels)
+}
+
+/// A curve for each associator.
+fn associators(
+    cells: &Cells,
+    names: &[&str],
+    along: &[(f64, String)],
+    outcome: &str,
+) -> Result<Vec<Series>, Box<dyn Error>> {
+    let mut series = Vec::new();
+    for (look, name) in names.iter().enumerate() {
+        let of = along
+            .iter()
+            .map(|(x, point)| (*x, format!("{point}, {name}")));
+        series.push(cells.series(name, (look, Drawn::Curve), (outcome, 100.0), of)?);
+    }
+    Ok(series)
+}
+
+/// In one order, so that each has the same look in all pictures.
+const NAMES: [&str; 6] = [
+    "NN, shared",
+    "GNN",
+    "BADA, sum",
+    "JPDA",
+    "NN, closest pair",
+    "PDA",
+];
+
 /// Share of runs in which every track keeps its identity.
 pub fn eta(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
     let clutter = [0.0, 0.1, 0.2, 0.4, 0.8];
@@ -144,28 +195,11 @@ fn eta_over(
     along: &[(f64, String)],
     low: f64,
 ) -> Result<Panel, Box<dyn Error>> {
-    let mut series = Vec::new();
-    for (look, name) in [
-        "NN, shared",
-        "GNN",
-        "BADA, sum",
-        "JPDA",
-        "NN, closest pair",
-        "PDA",
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let of = along
-            .iter()
-            .map(|(x, point)| (*x, format!("{point}, {name}")));
-        series.push(cells.series(name, (look, Drawn::Curve), ("identity", 100.0), of)?);
-    }
     Ok(Panel {
         title,
         x,
         y: crate::percent("runs that keep all targets (%)", low, 10.0),
-        series,
+        series: associators(cells, &NAMES, along, "identity")?,
     })
 }
 
@@ -187,7 +221,7 @@ fn evaluated(scene: &Value, associator: &Value) -> Result<Outcome, Box<dyn Error
 
 fn done(kind: JobKind, body: &Value) -> Result<Outcome, Box<dyn Error>> {
     let plan = plan(kind, body).map_err(|faults| format!("{faults:?}"))?;
-    Ok(run(&plan, Vec::new(), &mut Patient)?)
+    Ok(run(&plan, Vec::new(), &mut Silent)?)
 }
 
 fn is_kept(outcome: &Outcome) -> bool {

@@ -1,5 +1,5 @@
-//! Huo et al. 2008: the problem as printed by hand and on the problems of a plain program, and the tables of `docs/data` against the
-//! campaigns that they are made of.
+//! Huo et al. 2008: the problem as printed by hand and on the problems of a plain program, and a table of `docs/data` against the campaign
+//! that it is made of. `tests/papers.py` holds the others.
 
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -88,8 +88,9 @@ fn the_problems_of_the_plain_program_are_those_of_the_campaign() {
         std::fs::read_to_string(data("huo2008-problems.csv")).unwrap(),
         text
     );
-    // The least J of the tables is the bound that the campaign's gaps are told from.
+    // The least J of the tables is the bound that the campaign's gaps are told from; the first runs of fewer are the same.
     let outcome = campaign("huo2008-printed", |body| {
+        body["runs"] = json!(2);
         body["grid"][0]["variants"]
             .as_array_mut()
             .unwrap()
@@ -100,7 +101,7 @@ fn the_problems_of_the_plain_program_are_those_of_the_campaign() {
         .iter()
         .filter(|row| row["cell"] == "3 × 10, as printed")
         .collect();
-    assert_eq!(printed.len() as u32, PROBLEMS);
+    assert_eq!(printed.len(), 2);
     for (row, problem) in printed.iter().zip(0..) {
         let least: f64 = tables(problem)
             .iter()
@@ -161,30 +162,25 @@ fn the_search_as_printed_and_the_plain_program_are_in_each_others_intervals() {
 }
 
 #[test]
-fn the_tables_hold_what_the_campaigns_give() {
+fn a_table_holds_what_its_campaign_gives() {
+    let table = table("huo2008-alpha.csv");
+    let outcome = campaign("huo2008-alpha", |body| {
+        let tests = body["grid"][0]["variants"].as_array_mut();
+        tests.expect("the first axis has variants").truncate(1);
+    });
     let mut compared = 0;
-    for name in [
-        "huo2008-printed",
-        "huo2008-nodes",
-        "huo2008-alpha",
-        "huo2008-statistic",
-    ] {
-        let table = table(&format!("{name}.csv"));
-        let outcome = campaign(name, |_| {});
-        for row in rows(&outcome, "cells.csv") {
-            let key = (row["cell"].clone(), row["outcome"].clone());
-            let Some(stored) = table.get(&key) else {
-                continue;
-            };
-            for (stored, column) in stored.iter().zip(["mean", "low", "high"]) {
-                let found: f64 = row[column].parse().unwrap();
-                let is_same = (found - stored).abs() <= 1e-5 * found.abs().max(1e-3);
-                assert!(is_same, "{name} {key:?} {column}: {found}, {stored}");
-                compared += 1;
-            }
+    for row in rows(&outcome, "cells.csv") {
+        if row["outcome"] != "recall" {
+            continue;
+        }
+        let rejected = table[&(row["cell"].clone(), "true pairs rejected".to_owned())];
+        for (stored, column) in rejected.iter().zip(["mean", "high", "low"]) {
+            let found = 1.0 - row[column].parse::<f64>().unwrap();
+            assert!((found - stored).abs() <= 1e-6, "{row:?}: {stored}");
+            compared += 1;
         }
     }
-    assert!(compared > 200, "{compared}");
+    assert!(compared == 9, "{compared}");
 }
 
 fn drawn(tracks: Value, correlator: Value) -> Value {

@@ -43,6 +43,7 @@ pub const PAPERS: &[&str] = &[
     "huo2008-relaxation",
     "huo2008-alpha",
     "wang-bat-tables",
+    "wang-bat-noise",
     "wang-bat-clutter",
     "wang-bat-targets",
     "wang-bat-crossings",

@@ -22,7 +22,7 @@ pub(super) struct Scene {
 }
 
 /// Two targets that cross once.
-fn two_targets() -> Scene {
+pub(super) fn two_targets() -> Scene {
     Scene {
         crossings: json!([{"centre_deg": 265.0, "half_width_deg": 15.0, "crossing_time_s": 65.0, "power": 1.6}]),
         scans: 131,

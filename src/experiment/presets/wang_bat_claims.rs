@@ -2,7 +2,7 @@
 //! crossings; that the objective is largest at the true association; that its constants are chosen in a range.
 
 use super::Preset;
-use super::wang_bat::{axis, pair, preset, scenes, six_targets, variant};
+use super::wang_bat::{axis, pair, preset, scenes, six_targets, two_targets, variant};
 use serde_json::{Value, json};
 
 const RUNS: u32 = 300;
@@ -33,6 +33,7 @@ pub(super) fn presets() -> Vec<Preset> {
             "six targets that never cross, or three, seven or nine times",
             crossings(),
         ),
+        noise(),
         objective(),
         constants(),
     ]
@@ -53,6 +54,17 @@ pub(super) fn contenders() -> Value {
             json!({"method": "bat", "weights": "visited"}),
         ),
     ])
+}
+
+/// More noises than the two of the tables.
+fn noise() -> Preset {
+    let path = "/input/scenario/sensors/0/sigma_bearing_deg";
+    let noises = json!({"by": "values", "name": "sigma_deg", "path": path, "values": [0.15, 0.3, 0.45, 0.6, 0.8, 1.0]});
+    let summary = "two targets that cross once, little to much noise";
+    let grid = [noises, contenders()];
+    let mut preset = preset("wang-bat-noise", summary, &two_targets(), &grid, RUNS);
+    preset.body["compare"]["to"] = json!("JPDA");
+    preset
 }
 
 fn clutter() -> Value {
