@@ -2,8 +2,6 @@
 //! they mean in CSV. Files of trackloom's own (see [`super::out`]) read as the dataset that they were written from.
 
 mod cells;
-#[cfg(test)]
-mod tests;
 
 use super::out::columnar::{METADATA_KEY, Metadata};
 use super::table::{self, FaultLog, Rows, pointer_token};

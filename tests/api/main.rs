@@ -23,3 +23,4 @@ mod results;
 mod shutdown;
 mod told_at_once;
 mod transport;
+mod written_formats;

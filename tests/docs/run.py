@@ -113,7 +113,8 @@ class Session:
                 writer = csv.DictWriter(kept, columns, extrasaction="ignore")
                 writer.writeheader()
                 writer.writerows(rows)
-        (self.folder / "trial7-truth.csv").write_bytes((self.folder / "scene/truth.csv").read_bytes())
+        for name in ["trial7-truth.csv", "truth.csv"]:
+            (self.folder / name).write_bytes((self.folder / "scene/truth.csv").read_bytes())
         # The file that the page shows, as it stands there.
         shown = re.search(r"```\n(time_s,scan,sensor_id,.*?)```", (ROOT / "docs/recordings.md").read_text(), re.DOTALL)
         (self.folder / "four-sensors.csv").write_text(shown[1])

@@ -17,8 +17,6 @@ mod parquet;
 mod paths;
 mod seen;
 mod stonesoup;
-#[cfg(test)]
-mod tests;
 mod text;
 
 use super::{csv, json, mot};

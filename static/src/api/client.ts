@@ -170,6 +170,14 @@ export async function getDatasetText(id: string): Promise<string> {
   )) as unknown as string;
 }
 
+/** The file of a data set in another format. */
+export async function getDatasetAs(id: string, format: string): Promise<Blob> {
+  const params = { path: { id }, query: { format } };
+  return (await taken(
+    client.GET("/v1/datasets/{id}/content", { params, parseAs: "blob" }),
+  )) as unknown as Blob;
+}
+
 export async function deleteDataset(id: string): Promise<void> {
   const { error, response } = await client.DELETE("/v1/datasets/{id}", path(id));
   if (!response.ok) await taken(Promise.resolve({ error, response }));

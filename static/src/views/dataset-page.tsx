@@ -2,11 +2,12 @@
 
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";
-import { deleteDataset, getDataset, previewDataset } from "../api/client";
+import { deleteDataset, getDataset, getDatasetAs, previewDataset } from "../api/client";
 import type { Cell, Dataset, DatasetPreview, SensorSettings } from "../api/types";
 import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
 import { cellOf } from "../components/csv";
 import { useResource } from "../components/resource";
+import { saveBlob } from "../components/save";
 import { DataTable } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { bytes, count, number, plural, words } from "../format";
@@ -14,6 +15,20 @@ import { go, pageHref } from "../state/url";
 import { originOf, timeText, utcText } from "../times";
 
 const PREVIEW_ROWS = 100;
+
+/** Formats to save a data set in, what to call them, and how their files end. */
+const FORMATS: [string, string, string][] = [
+  ["csv", "CSV", "csv"],
+  ["json", "JSON", "json"],
+  ["parquet", "Parquet", "parquet"],
+  ["arrow", "Arrow", "arrow"],
+  ["geojson", "GeoJSON", "geojson"],
+  ["kml", "KML (Google Earth)", "kml"],
+  ["czml", "CZML (Cesium)", "czml"],
+  ["gpx", "GPX", "gpx"],
+  ["trips", "Trips (kepler.gl)", "geojson"],
+  ["stonesoup", "Stone Soup", "csv"],
+];
 
 export function DatasetPage({ id }: { id: string }): JSX.Element {
   const dataset = useResource(() => getDataset(id), [id]);
@@ -54,6 +69,7 @@ function Found({ dataset }: { dataset: Dataset }): JSX.Element {
             <a class="button" href={dataset.links.content} download={dataset.name}>
               <Icon name="download" /> Download
             </a>
+            <SaveAs dataset={dataset} failed={(error) => (failure.value = error)} />
             <button type="button" onClick={remove}>
               Delete
             </button>
@@ -79,6 +95,29 @@ function Found({ dataset }: { dataset: Dataset }): JSX.Element {
         <Preview dataset={dataset} />
       </div>
     </article>
+  );
+}
+
+function SaveAs(props: { dataset: Dataset; failed: (error: unknown) => void }): JSX.Element {
+  const { id, name } = props.dataset;
+  const save = (event: JSX.TargetedEvent<HTMLSelectElement>) => {
+    const chosen = FORMATS.find(([format]) => format === event.currentTarget.value);
+    event.currentTarget.value = "";
+    if (!chosen) return;
+    const [format, , ending] = chosen;
+    props.failed(undefined);
+    getDatasetAs(id, format).then(
+      (blob) => saveBlob(blob, `${name.replace(/\.\w+$/, "")}.${ending}`),
+      props.failed,
+    );
+  };
+  return (
+    <select aria-label="Download in another format" onChange={save}>
+      <option value="">Download as …</option>
+      {FORMATS.map(([format, label]) => (
+        <option value={format}>{label}</option>
+      ))}
+    </select>
   );
 }
 

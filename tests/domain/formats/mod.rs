@@ -3,11 +3,14 @@
 mod autoferry;
 mod bearing_time;
 mod bearings;
+#[cfg(feature = "parquet")]
+mod columnar;
 mod csv_faults;
 mod csv_values;
 mod hostile;
 mod json;
 mod mot;
+mod outputs;
 mod round_trip;
 mod volumes;
 
