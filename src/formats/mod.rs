@@ -10,6 +10,7 @@ pub mod csv;
 mod dialect;
 mod disorder;
 pub mod feed;
+pub mod gpx;
 pub mod json;
 mod json_document;
 mod json_records;

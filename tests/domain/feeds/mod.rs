@@ -2,6 +2,7 @@
 
 mod ais;
 mod ais_recordings;
+mod gpx;
 mod mode_s;
 mod mode_s_recording;
 
