@@ -306,3 +306,26 @@ fn detections_with_heights_are_tracked_in_the_plane_with_one_warning_and_written
     );
     assert!(file("tracks.csv").starts_with("time_s,track_id,sensor_id,x_m,y_m,vx_mps"));
 }
+
+#[test]
+fn tracks_begin_at_truth_of_a_volume_as_at_that_of_the_plane() {
+    let row = |t: u32| format!("{t},{n},r,a,{x},0\n", n = t + 1, x = 10 * t);
+    let rows: String = (0..6).map(row).collect();
+    let detections = format!("time_s,scan,sensor_id,detection_id,x_m,y_m\n{rows}");
+    let tracks_of = |truth: &str| {
+        let mut texts = Texts::of("csv");
+        let sensor = json!({"sensor_id": "r", "sigma_x_m": 1.0, "sigma_y_m": 1.0, "p_d": 0.9, "clutter_per_m2": 1e-6});
+        let body = json!({
+            "input": texts.dataset(&detections),
+            "truth": texts.dataset(truth),
+            "sensors": [sensor],
+            "tracker": {"initiation": {"method": "truth", "speed_sigma_mps": 1.0}},
+        });
+        let outcome = texts.run(JobKind::Associate, &body).unwrap();
+        let mut files = outcome.artifacts.into_iter();
+        files.find(|file| file.name == "tracks.csv").unwrap().bytes
+    };
+    let high = "time_s,truth_id,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps\n0,A,0,0,900,10,0,-5\n5,A,50,0,875,10,0,-5\n";
+    let flat = "time_s,truth_id,x_m,y_m,vx_mps,vy_mps\n0,A,0,0,10,0\n5,A,50,0,10,0\n";
+    assert_eq!(tracks_of(high), tracks_of(flat));
+}

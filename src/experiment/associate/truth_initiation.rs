@@ -129,7 +129,8 @@ fn starting_report(
 
 /// A fault where tracks begin at truth of another kind than theirs.
 pub fn unfit_truth(lifecycle: &Lifecycle, space: Space, named: &NamedFilter) -> Option<Fault> {
-    if !matches!(lifecycle.initiation, Initiation::Truth { .. }) || space == named.filter.space() {
+    let is_alike = space.has_places() == named.filter.space().has_places();
+    if !matches!(lifecycle.initiation, Initiation::Truth { .. }) || is_alike {
         return None;
     }
     let (found, wanted) = match space {
@@ -169,12 +170,12 @@ fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 5]) -> Op
                 sigma_x_m,
                 sigma_y_m,
             },
-            Space::Plane,
+            Space::Plane | Space::Volume,
         ) => Some(Measurement::Position {
             x_m: truth.position.x + sigma_x_m * errors[0],
             y_m: truth.position.y + sigma_y_m * errors[1],
         }),
-        (MeasurementModel::Polar(polar), Space::Plane) => {
+        (MeasurementModel::Polar(polar), Space::Plane | Space::Volume) => {
             let offset_m = truth.position.xy() - polar.place_m;
             let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
             let range_rate =
