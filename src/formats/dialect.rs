@@ -32,15 +32,7 @@ impl Dialect {
             comments.push(line);
         }
         let delimiter = delimiter_of(header);
-        // A header such as `# Timestamp,MMSI` has as many columns as the row below it.
-        let width = |line: &[u8]| count(line, delimiter);
-        let is_header = |line: &&[u8]| width(line) > 0 && width(line) == width(header);
-        let starts_with_number =
-            |cell: &[u8]| cell.trim_ascii().first().is_some_and(u8::is_ascii_digit);
-        let is_row = header
-            .split(|&byte| byte == delimiter)
-            .any(starts_with_number);
-        let marked = is_row && comments.last().is_some_and(is_header);
+        let marked = comments.last().is_some_and(|line| is_header(line, header, delimiter));
         let row = if marked { Some(header) } else { lines.next() };
         let has_decimal_commas = delimiter != b','
             && row.is_some_and(|row| row.split(|&byte| byte == delimiter).any(is_decimal_comma));
@@ -50,6 +42,16 @@ impl Dialect {
             has_decimal_commas,
         }
     }
+}
+
+/// Whether a line of comment is the header of the row below it, such as `# Timestamp,MMSI`: it has as many columns, and the row
+/// has a number.
+fn is_header(comment: &[u8], row: &[u8], delimiter: u8) -> bool {
+    let columns = count(comment, delimiter);
+    let mut cells = row.split(|&byte| byte == delimiter).map(<[u8]>::trim_ascii);
+    columns > 0
+        && columns == count(row, delimiter)
+        && cells.any(|cell| cell.first().is_some_and(u8::is_ascii_digit))
 }
 
 /// The separator that a line has most of, outside quotes.

@@ -156,10 +156,10 @@ fn plain(name: &str) -> String {
 /// The layout of a table, if it is one of those.
 pub(super) fn find(names: &[String]) -> Option<&'static Layout> {
     let plain: Vec<String> = names.iter().map(|name| plain(name)).collect();
-    let has = |name: &&str| plain.iter().any(|known| known == name);
+    let has = |name: &str| plain.iter().any(|known| known == name);
     LAYOUTS
         .iter()
-        .find(|layout| layout.told_by.iter().all(|name| has(&name)))
+        .find(|layout| layout.told_by.iter().all(|name| has(name)))
 }
 
 /// Where the columns of a layout are.
@@ -178,21 +178,23 @@ impl Layout {
     fn columns(&self, names: &[String]) -> Columns {
         let plain: Vec<String> = names.iter().map(|name| plain(name)).collect();
         let find = |name: &str| plain.iter().position(|known| known == name);
-        let scaled = |(name, scale): &(&str, f64)| Some((find(name)?, *scale));
-        Columns {
+        let mut columns = Columns {
             time: find(self.time).unwrap_or_default(),
             identity: self.identity.and_then(find),
             lat: find(self.lat).unwrap_or_default(),
             lon: find(self.lon).unwrap_or_default(),
-            height: self.heights.iter().find_map(scaled),
-            speed: self.speed.as_ref().and_then(scaled),
+            height: None,
+            speed: self.speed.and_then(|(name, scale)| Some((find(name)?, scale))),
             course: self.course.and_then(find),
-            attributes: self
-                .attributes
-                .iter()
-                .filter_map(|(name, attribute)| Some((*attribute, find(name)?)))
-                .collect(),
+            attributes: Vec::new(),
+        };
+        for (name, scale) in self.heights {
+            columns.height = columns.height.or(find(name).map(|column| (column, *scale)));
         }
+        for (name, attribute) in self.attributes {
+            columns.attributes.extend(find(name).map(|column| (*attribute, column)));
+        }
+        columns
     }
 }
 
@@ -269,6 +271,14 @@ fn number(rows: &dyn Rows, column: usize) -> Result<Option<f64>, Reason> {
     }
 }
 
+/// A number in the unit of this program, where there is such a column.
+fn scaled(rows: &dyn Rows, column: Option<(usize, f64)>) -> Result<Option<f64>, Reason> {
+    match column {
+        Some((column, scale)) => Ok(number(rows, column)?.map(|value| value * scale)),
+        None => Ok(None),
+    }
+}
+
 impl Reader {
     fn read_row(&mut self, rows: &dyn Rows, columns: &Columns) {
         match self.report(rows, columns) {
@@ -317,11 +327,8 @@ impl Reader {
             self.feed.ignore("stale", 1);
             return Ok(None);
         }
-        let scaled = |(column, scale): (usize, f64)| {
-            number(rows, column).map(|value| value.map(|value| value * scale))
-        };
-        let height_m = columns.height.map_or(Ok(None), scaled)?;
-        let speed_mps = columns.speed.map_or(Ok(None), scaled)?;
+        let height_m = scaled(rows, columns.height)?;
+        let speed_mps = scaled(rows, columns.speed)?;
         let course_deg = columns
             .course
             .map_or(Ok(None), |column| number(rows, column))?;

@@ -212,6 +212,9 @@ pub struct RandomTargets {
     pub speed_max_mps: f64,
 }
 
+/// Names of the recordings that come with the program.
+pub const RECORDINGS: &[&str] = &["solent"];
+
 /// Recorded targets move on a spline through their points.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordedTargets {

@@ -3,10 +3,8 @@
 use crate::formats::{ReadOptions, read_file};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
+use crate::model::scenario::RECORDINGS;
 use crate::model::truth::TruthSet;
-
-/// Their names.
-pub const RECORDINGS: &[&str] = &["solent"];
 
 /// Twenty minutes of AIS in the Solent on 2016-01-12 (MIT, Crown copyright; `docs/licenses/MIT-Stone-Soup.txt`).
 const SOLENT: &[u8] = include_bytes!("solent.csv.gz");

@@ -25,7 +25,6 @@ use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::simulation;
 pub use detect::DetectionResult;
-pub use extracts::RECORDINGS;
 use serde_json::Value;
 
 /// What a job works on, as far as it has it.

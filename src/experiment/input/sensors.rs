@@ -5,12 +5,11 @@ use super::extent::{Extent, detections_of, place_of, space_of};
 use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
 use crate::filtering::AnyFilter;
-use crate::geodesy::Stereographic;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
 use crate::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
 use crate::model::sensor::{Sensor, SensorSettings};
-use crate::model::space::{Frame, Space};
+use crate::model::space::Space;
 use crate::model::state::Position;
 
 /// Assumed when nobody says how often a target is detected.
@@ -47,7 +46,7 @@ pub fn merge_settings(
         let index = requested
             .iter()
             .position(|other| other.sensor_id == sensor.sensor_id);
-        match in_plane(own.overridden_by(&asked), &asked, recording.frame) {
+        match place::in_plane(own.overridden_by(&asked), &asked, recording.frame) {
             Ok(settings) => merged.push(settings),
             Err(fault) => faults.push(Fault {
                 pointer: format!("/sensors/{}{}", index.unwrap_or_default(), fault.pointer),
@@ -57,33 +56,6 @@ pub fn merge_settings(
     }
     refuse_any(faults)?;
     Ok(merged)
-}
-
-/// The settings with the place in the plane that latitude and longitude say, where the request gives them or nothing else does.
-fn in_plane(
-    settings: SensorSettings,
-    asked: &SensorSettings,
-    frame: Option<Frame>,
-) -> Result<SensorSettings, Box<Fault>> {
-    let (Some(lat_deg), Some(lon_deg)) = (settings.lat_deg, settings.lon_deg) else {
-        return Ok(settings);
-    };
-    if settings.x_m.is_some() && asked.lat_deg.is_none() {
-        return Ok(settings);
-    }
-    let Some(frame) = frame else {
-        let detail = "the data have no origin on the Earth to measure latitude and longitude from";
-        return Err(Box::new(
-            Fault::new("/lat_deg", "unsupported", detail).allowing("x_m, y_m"),
-        ));
-    };
-    let plane = Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
-    let place_m = plane.project(lat_deg, lon_deg);
-    Ok(SensorSettings {
-        x_m: Some(place_m.x),
-        y_m: Some(place_m.y),
-        ..settings
-    })
 }
 
 /// What a list says of a sensor; nothing where it does not name it.
@@ -517,4 +489,5 @@ fn estimated_clutter(recording: &Recording, sensor: usize, extent: &Extent) -> f
 }
 
 #[cfg(test)]
+mod place;
 mod tests;

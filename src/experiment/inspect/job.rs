@@ -33,14 +33,17 @@ pub fn start_from(dataset: &Dataset, format: &str, path: &str) -> Value {
 
 /// Truth as a radar in its middle sees it.
 fn seen_by_radar(truth: &TruthSet, file: &Value) -> Value {
-    let mut sensor = json!({
-        "sensor_id": "radar", "max_range_m": 100_000.0, "p_d": 0.9,
-        "sigma_range_m": 50.0, "sigma_bearing_deg": 0.1, "clutter_per_scan": 5.0,
-    });
-    if let Some(frame) = &truth.frame {
-        (sensor["lat_deg"], sensor["lon_deg"]) =
-            (json!(frame.latitude_deg()), json!(frame.longitude_deg()));
-    }
+    let sensor = match &truth.frame {
+        Some(frame) => json!({
+            "sensor_id": "radar", "lat_deg": frame.latitude_deg(), "lon_deg": frame.longitude_deg(),
+            "max_range_m": 100_000.0, "p_d": 0.9, "sigma_range_m": 50.0, "sigma_bearing_deg": 0.1,
+            "clutter_per_scan": 5.0,
+        }),
+        None => json!({
+            "sensor_id": "radar", "max_range_m": 100_000.0, "p_d": 0.9, "sigma_range_m": 50.0,
+            "sigma_bearing_deg": 0.1, "clutter_per_scan": 5.0,
+        }),
+    };
     json!({
         "kind": "evaluate", "truth": file,
         "input": {"source": "scenario", "scenario": {

@@ -108,14 +108,16 @@ fn degrees(dataset: &Dataset, steps: &[Step]) -> Option<String> {
         .then(|| "x_m and y_m look like degrees: map them to lon_deg and lat_deg".to_owned())
 }
 
+/// How many times as fast as it says it is a step goes; of slow ones nobody can tell.
+fn ratio_of(step: &Step) -> Option<f64> {
+    let found_mps = step.way_m / step.time_s;
+    let said_mps = step.speed_mps.filter(|said_mps| *said_mps > 1.0)?;
+    (found_mps > 0.0).then_some(found_mps / said_mps)
+}
+
 /// Given speeds that are another multiple of the steps than 1.
 fn other_units(steps: &[Step]) -> Option<String> {
-    let ratio = |step: &Step| {
-        let found_mps = step.way_m / step.time_s;
-        let said_mps = step.speed_mps.filter(|said_mps| *said_mps > 1.0)?;
-        (found_mps > 0.0).then_some(found_mps / said_mps)
-    };
-    let mut ratios: Vec<f64> = steps.iter().filter_map(ratio).collect();
+    let mut ratios: Vec<f64> = steps.iter().filter_map(ratio_of).collect();
     if ratios.len() < 10 {
         return None;
     }

@@ -250,7 +250,7 @@ static RECORDED_TARGETS: Object = Object {
         optional(
             "recording",
             "A recording that comes with the program, in place of the job's truth: `solent`, twenty minutes of AIS.",
-            Kind::Choice(crate::experiment::input::RECORDINGS),
+            Kind::Choice(crate::model::scenario::RECORDINGS),
         ),
         optional(
             "start_s",

@@ -15,6 +15,9 @@ pub struct Spot {
     pub height_m: Option<f64>,
 }
 
+/// Nothing is farther from the origin: beyond, the plane is of the other side of the Earth (m).
+const FARTHEST_M: f64 = 1e9;
+
 /// Where the places of a dataset are.
 pub struct Earth {
     origin: Geodetic,
@@ -69,7 +72,9 @@ impl Earth {
                 (lat_deg, lon_deg, height_m)
             }
         };
-        let is_sound = is_on_earth(lat_deg, lon_deg) && height_m.is_none_or(f64::is_finite);
+        let is_sound = is_on_earth(lat_deg, lon_deg)
+            && height_m.is_none_or(f64::is_finite)
+            && place_m.norm() < FARTHEST_M;
         is_sound
             .then_some(Spot {
                 time_s,

@@ -2,6 +2,7 @@
 //!
 //! Formats with places need a frame; formats with instants count relative times from 1970-01-01T00:00:00Z, and say so.
 
+mod asterix;
 #[cfg(feature = "parquet")]
 pub(super) mod columnar;
 mod czml;
@@ -81,6 +82,7 @@ pub const WRITERS: &[Writer] = &[
     kml::WRITER,
     czml::WRITER,
     gpx::WRITER,
+    asterix::WRITER,
     Writer {
         name: "mot",
         media_type: "text/plain",

@@ -136,7 +136,7 @@ fn pieces<'a>(
     Ok(pieces.map(<[Spot]>::to_vec).collect())
 }
 
-/// The median time between neighbours (s); 0 of a single point.
+/// The median time between neighbours (s), the lower of two; 0 of a single point.
 fn usual_step_s(spots: &[Spot]) -> f64 {
     let mut steps: Vec<f64> = spots
         .windows(2)
@@ -145,6 +145,6 @@ fn usual_step_s(spots: &[Spot]) -> f64 {
     if steps.is_empty() {
         return 0.0;
     }
-    let middle = steps.len() / 2;
+    let middle = (steps.len() - 1) / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }

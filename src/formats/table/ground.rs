@@ -77,19 +77,23 @@ fn origin_of(both: &[Both; 2]) -> Option<Frame> {
         let off_m = both[1].place_m - plane.project(both[1].lat_deg, both[1].lon_deg);
         (lat_deg, lon_deg) = plane.unproject(&-off_m);
     }
-    let fits = |lat_deg: f64, lon_deg: f64| {
-        let plane = Stereographic::about(lat_deg, lon_deg);
-        let off_m = |one: &Both| (one.place_m - plane.project(one.lat_deg, one.lon_deg)).norm();
-        both.iter().all(|one| off_m(one) < FIT_M)
-    };
     for decimals in 0..=9 {
         let unit = 10_f64.powi(decimals);
         let rounded = |angle_deg: f64| (angle_deg * unit).round() / unit;
-        if fits(rounded(lat_deg), rounded(lon_deg)) {
-            return Frame::new(rounded(lat_deg), rounded(lon_deg), 0.0).ok();
+        let (lat_deg, lon_deg) = (rounded(lat_deg), rounded(lon_deg));
+        if fits(both, &Stereographic::about(lat_deg, lon_deg)) {
+            return Frame::new(lat_deg, lon_deg, 0.0).ok();
         }
     }
     None
+}
+
+/// Whether both places are where the plane has them.
+fn fits(both: &[Both; 2], plane: &Stereographic) -> bool {
+    let mut off_m = both
+        .iter()
+        .map(|one| (one.place_m - plane.project(one.lat_deg, one.lon_deg)).norm());
+    off_m.all(|off_m| off_m < FIT_M)
 }
 
 /// How well an origin must fit (m): latitudes are written to a tenth of a millimetre.

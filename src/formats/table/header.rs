@@ -1,12 +1,14 @@
 //! Column names: which the kinds of dataset know, what the uploader renamed, what is missing or twice there.
 
+mod told;
+
 use super::{FaultLog, Rows, units};
 use crate::formats::ReadOptions;
 use crate::model::attributes::{ATTRIBUTES, attribute_named};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
-use crate::model::names::shorten;
 use std::collections::BTreeMap;
+use told::{listed, warnings};
 
 /// The ten columns of a covariance, upper triangle.
 pub const COVARIANCE: [&str; 10] = [
@@ -305,7 +307,10 @@ pub fn resolve(
 /// alone is that one.
 fn mapped(name: &str, options: &ReadOptions, faults: &mut FaultLog) -> (String, f64) {
     let Some(said) = options.columns.get(name) else {
-        let lower = name.trim().to_ascii_lowercase();
+        let mut lower = name.trim().to_ascii_lowercase();
+        if lower == "time" {
+            "time_s".clone_into(&mut lower);
+        }
         let is_known = is_canonical(&lower);
         return (if is_known { lower } else { name.to_owned() }, 1.0);
     };
@@ -459,53 +464,4 @@ fn check_missing(
 
 fn has(names: &[String], name: &str) -> bool {
     names.iter().any(|known| known == name)
-}
-
-/// Names in a message: the first ones, each cut to a length that fits.
-fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
-    const MOST: usize = 50;
-    let more = names.len().saturating_sub(MOST);
-    let first = names.take(MOST).map(shorten).collect::<Vec<_>>().join(", ");
-    if more > 0 {
-        format!("{first} and {more} more")
-    } else {
-        first
-    }
-}
-
-fn planar_warning(part: &[&str]) -> String {
-    let [first, .., last] = part else {
-        return String::new();
-    };
-    format!(
-        "z_m makes these places those of a volume, but {first} … {last} are of the plane, so they are not read; without z_m all is of the plane"
-    )
-}
-
-fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<String> {
-    let list = |wanted: &dyn Fn(&str) -> bool| -> Vec<&str> {
-        file_names
-            .iter()
-            .zip(names)
-            .filter(|(_, name)| wanted(name))
-            .map(|(file_name, _)| file_name.as_str())
-            .collect()
-    };
-    let unused = list(&|name| schema.is_unused(name));
-    let unknown = list(&|name| !schema.is_unused(name) && !schema.is_used(name));
-    let planar = schema.planar_parts(names).map(planar_warning);
-    let mut warnings: Vec<String> = planar.collect();
-    if !unused.is_empty() {
-        warnings.push(format!(
-            "columns kept in the file but not used: {}",
-            listed(unused.iter().copied())
-        ));
-    }
-    if !unknown.is_empty() {
-        warnings.push(format!(
-            "unknown columns, kept in the file but not used: {}",
-            listed(unknown.iter().copied())
-        ));
-    }
-    warnings
 }

@@ -65,7 +65,7 @@ fn faults_point_into_the_columns() {
     );
     let missing =
         r#"{"kind": "truth", "columns": {"time_s": [1], "a/b": [1], "x_m": [1], "y_m": [3]}}"#;
-    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg";
+    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
     assert_eq!(
         fault("json", missing),
         at(
@@ -183,7 +183,7 @@ fn broken_text_has_line_and_character() {
     broken("{\"columns\":\n {\"x_m\": [1, NaN]}}", 2, "14", "malformed");
     broken("{\"columns\": {\"x_m\": [1, ", 1, "24", "malformed");
     broken("{\"columns\": {\"x_m\": 1}}", 1, "22", "wrong_type");
-    broken("{\"columns\": {}, \"kinds\": []}", 1, "29", "wrong_type");
+    broken("{\"columns\": {}, \"kinds\": []}", 1, "28", "wrong_type");
     assert_eq!(
         fault("json", " \n"),
         Fault::new("/file", "empty", "the file is empty")

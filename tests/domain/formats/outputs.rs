@@ -3,7 +3,9 @@
 
 use super::*;
 use std::collections::BTreeMap;
-use trackloom_domain::formats::{WRITERS, WriteError, writer_named};
+use serde_json::json;
+use trackloom_domain::formats::{WRITERS, WriteError, read_file, writer_named};
+use trackloom_domain::geodesy::Stereographic;
 use trackloom_domain::model::boxes::BoxSet;
 use trackloom_domain::model::scan::{Detection, Measurement, RecordingParts, Scan};
 use trackloom_domain::model::sensor::SensorSettings;
@@ -69,9 +71,15 @@ fn names_are_unique_and_kinds_that_a_format_lacks_are_refused_with_those_that_ha
     }
     let recording = Dataset::Detections(Recording::default());
     let fault = refused("gpx", &recording);
-    assert_eq!((fault.code.as_str(), fault.pointer.as_str()), ("unsupported", "/format"));
+    assert_eq!(
+        (fault.code.as_str(), fault.pointer.as_str()),
+        ("unsupported", "/format")
+    );
     let allowed = fault.allowed.unwrap_or_default();
-    assert!(allowed.starts_with("csv, json, geojson, kml, "), "{allowed}");
+    assert!(
+        allowed.starts_with("csv, json, geojson, kml, "),
+        "{allowed}"
+    );
     let boxes = Dataset::TruthBoxes(BoxSet::new(Vec::new(), Vec::new()).expect("no boxes"));
     for name in ["geojson", "kml", "czml", "gpx", "stonesoup"] {
         assert_eq!(refused(name, &boxes).code, "unsupported", "{name}");
@@ -101,7 +109,11 @@ fn without_an_origin_there_are_no_latitudes() {
 fn lines_have_places_heights_and_instants() {
     let truth = truth_at(
         at(0.0, 10.0),
-        &[(0.0, 0.0, 0.0, None), (10.0, 1000.0, 0.0, Some(120.5)), (20.25, 2000.0, 0.0, None)],
+        &[
+            (0.0, 0.0, 0.0, None),
+            (10.0, 1000.0, 0.0, Some(120.5)),
+            (20.25, 2000.0, 0.0, None),
+        ],
     );
     let geojson = json(&written("geojson", &truth));
     let feature = &geojson["features"][0];
@@ -109,20 +121,34 @@ fn lines_have_places_heights_and_instants() {
     // Points without a height take that of a neighbour.
     let wanted = json("[[10,0,120.5],[10.0089832,0,120.5],[10.0179663,0,120.5]]");
     let found = &feature["geometry"]["coordinates"];
-    for (one, other) in found.as_array().into_iter().flatten().zip(wanted.as_array().into_iter().flatten()) {
+    for (one, other) in found
+        .as_array()
+        .into_iter()
+        .flatten()
+        .zip(wanted.as_array().into_iter().flatten())
+    {
         for axis in 0..3 {
-            let difference = one[axis].as_f64().zip(other[axis].as_f64()).map(|(a, b)| a - b);
+            let difference = one[axis]
+                .as_f64()
+                .zip(other[axis].as_f64())
+                .map(|(a, b)| a - b);
             assert!(difference.is_some_and(|far| far.abs() < 1e-9), "{found}");
         }
     }
     let known = &feature["properties"];
-    assert_eq!((&known["truth_id"], &known["callsign"]), (&json("\"a<&\\\"\""), &json("\"KLM1302\"")));
+    assert_eq!(
+        (&known["truth_id"], &known["callsign"]),
+        (&json("\"a<&\\\"\""), &json("\"KLM1302\""))
+    );
     assert_eq!(known["start"], "2016-01-12T13:02:11.218Z");
     assert_eq!(known["coordTimes"][2], "2016-01-12T13:02:31.468Z");
     assert_eq!(known["altitude_reference"], "unknown");
     assert!(known.get("time_base").is_none());
     let trips = json(&written("trips", &truth));
-    assert_eq!(trips["features"][0]["geometry"]["coordinates"][2][3], 1_452_603_751.468);
+    assert_eq!(
+        trips["features"][0]["geometry"]["coordinates"][2][3],
+        1_452_603_751.468
+    );
 }
 
 #[test]
@@ -130,17 +156,27 @@ fn a_line_over_180_degrees_is_cut_there_on_both_sides() {
     // Half way at 180 degrees, as it runs along the equator.
     let truth = truth_at(
         at(0.0, 180.0),
-        &[(0.0, -1000.0, 0.0, None), (10.0, 1000.0, 0.0, None), (20.0, 2000.0, 0.0, None)],
+        &[
+            (0.0, -1000.0, 0.0, None),
+            (10.0, 1000.0, 0.0, None),
+            (20.0, 2000.0, 0.0, None),
+        ],
     );
     let geojson = json(&written("geojson", &truth));
     let feature = &geojson["features"][0];
     assert_eq!(feature["geometry"]["type"], "MultiLineString");
     let lines = feature["geometry"]["coordinates"].clone();
     assert_eq!(lines[0], json("[[179.9910168,0],[180,0]]"));
-    assert_eq!(lines[1], json("[[-180,0],[-179.9910168,0],[-179.9820337,0]]"));
+    assert_eq!(
+        lines[1],
+        json("[[-180,0],[-179.9910168,0],[-179.9820337,0]]")
+    );
     let times = &feature["properties"]["coordTimes"];
     assert_eq!(times[0][1], "2016-01-12T13:02:16.218Z");
-    assert_eq!((&times[0][1], times[1].as_array().map(Vec::len)), (&times[1][0], Some(3)));
+    assert_eq!(
+        (&times[0][1], times[1].as_array().map(Vec::len)),
+        (&times[1][0], Some(3))
+    );
     // On the line itself the schema of GPX has one side alone.
     let edge = truth_at(at(0.0, 180.0), &[(0.0, 0.0, 0.0, None)]);
     assert!(written("gpx", &edge).contains("lat=\"0\" lon=\"-180\""));
@@ -148,21 +184,45 @@ fn a_line_over_180_degrees_is_cut_there_on_both_sides() {
 
 #[test]
 fn silence_divides_a_path_and_a_lone_point_is_one() {
-    let points = [(0.0, 0.0, 0.0, None), (10.0, 5.0, 0.0, None), (1000.0, 9.0, 0.0, None)];
+    let points = [
+        (0.0, 0.0, 0.0, None),
+        (10.0, 5.0, 0.0, None),
+        (1000.0, 9.0, 0.0, None),
+    ];
     let truth = truth_at(at(0.0, 0.0), &points);
     let feature = json(&written("geojson", &truth))["features"][0].clone();
-    let lines = feature["geometry"]["coordinates"].as_array().cloned().unwrap_or_default();
-    assert_eq!(lines.iter().map(|line| line.as_array().map(Vec::len)).collect::<Vec<_>>(), [Some(2), Some(2)]);
+    let lines = feature["geometry"]["coordinates"]
+        .as_array()
+        .cloned()
+        .unwrap_or_default();
+    assert_eq!(
+        lines
+            .iter()
+            .map(|line| line.as_array().map(Vec::len))
+            .collect::<Vec<_>>(),
+        [Some(2), Some(2)]
+    );
     assert_eq!(lines[1][0], lines[1][1]);
     assert_eq!(written("gpx", &truth).matches("<trkseg>").count(), 2);
     assert_eq!(written("kml", &truth).matches("<gx:Track>").count(), 2);
     let czml = json(&written("czml", &truth));
-    assert_eq!(czml[1]["availability"][1], "2016-01-12T13:18:51.218Z/2016-01-12T13:18:51.218Z");
-    let positions = czml[1]["position"]["cartographicDegrees"].as_array().map(Vec::len);
-    assert_eq!((positions, &czml[1]["position"]["epoch"]), (Some(12), &json("\"2016-01-12T13:02:11.218Z\"")));
+    assert_eq!(
+        czml[1]["availability"][1],
+        "2016-01-12T13:18:51.218Z/2016-01-12T13:18:51.218Z"
+    );
+    let positions = czml[1]["position"]["cartographicDegrees"]
+        .as_array()
+        .map(Vec::len);
+    assert_eq!(
+        (positions, &czml[1]["position"]["epoch"]),
+        (Some(12), &json("\"2016-01-12T13:02:11.218Z\""))
+    );
     let lone = truth_at(at(0.0, 0.0), &points[..1]);
     let feature = json(&written("geojson", &lone))["features"][0].clone();
-    assert_eq!(feature["geometry"], json("{\"type\":\"Point\",\"coordinates\":[0,0]}"));
+    assert_eq!(
+        feature["geometry"],
+        json("{\"type\":\"Point\",\"coordinates\":[0,0]}")
+    );
 }
 
 #[test]
@@ -170,7 +230,9 @@ fn markup_says_names_and_where_there_are_no_heights_lies_on_the_ground() {
     let points = [(0.0, 0.0, 0.0, None), (10.0, 0.0, 0.0, None)];
     let truth = truth_at(at(0.0, 0.0), &points);
     let kml = written("kml", &truth);
-    assert!(kml.contains("<name>KLM1302</name>") && kml.contains("<value>a&lt;&amp;&quot;</value>"));
+    assert!(
+        kml.contains("<name>KLM1302</name>") && kml.contains("<value>a&lt;&amp;&quot;</value>")
+    );
     assert!(kml.contains("clampToGround") && !kml.contains("absolute"));
     let high = truth_at(at(0.0, 0.0), &[(0.0, 0.0, 0.0, Some(9.0))]);
     assert!(written("kml", &high).contains("<altitudeMode>absolute</altitudeMode>"));
@@ -201,9 +263,18 @@ fn recording() -> RecordingParts {
     let half_right = std::f64::consts::FRAC_PI_2;
     RecordingParts {
         frame: at(0.0, 10.0),
-        sensors: vec![SensorSettings::named("camera"), SensorSettings::named("radar")],
+        sensors: vec![
+            SensorSettings::named("camera"),
+            SensorSettings::named("radar"),
+        ],
         scans: vec![
-            scan(1, 0, vec![seen(Measurement::Bearing { bearing_rad: 0.25 * std::f64::consts::PI })]),
+            scan(
+                1,
+                0,
+                vec![seen(Measurement::Bearing {
+                    bearing_rad: 0.25 * std::f64::consts::PI,
+                })],
+            ),
             scan(
                 2,
                 1,
@@ -213,7 +284,10 @@ fn recording() -> RecordingParts {
                         bearing_rad: half_right,
                         range_rate_mps: None,
                     }),
-                    seen(Measurement::Position { x_m: 2000.0, y_m: 0.0 }),
+                    seen(Measurement::Position {
+                        x_m: 2000.0,
+                        y_m: 0.0,
+                    }),
                 ],
             ),
         ],
@@ -239,8 +313,14 @@ fn detections_are_points_where_they_have_a_place() {
     let features = json(&written("geojson", &dataset))["features"].clone();
     assert_eq!(features[0]["geometry"], serde_json::Value::Null);
     assert_eq!(features[0]["properties"]["bearing_deg"], 45.0);
-    assert_eq!(features[1]["geometry"]["coordinates"], json("[10.0089832,0]"));
-    assert_eq!(features[2]["geometry"]["coordinates"], json("[10.0179663,0]"));
+    assert_eq!(
+        features[1]["geometry"]["coordinates"],
+        json("[10.0089832,0]")
+    );
+    assert_eq!(
+        features[2]["geometry"]["coordinates"],
+        json("[10.0179663,0]")
+    );
     assert_eq!(written("kml", &dataset).matches("<Point>").count(), 2);
 }
 
@@ -257,12 +337,18 @@ fn stone_soup_has_a_file_for_each_way_to_measure_and_no_empty_cell() {
         "time_s,bearing_rad,range_m,sensor_id,scan,detection_id\n2,0,1000,radar,2,2\n"
     );
     let bearings = written("stonesoup_bearings", &dataset);
-    assert!(bearings.ends_with("\n1,0.7853981633974483,camera,1,1\n"), "{bearings}");
+    assert!(
+        bearings.ends_with("\n1,0.7853981633974483,camera,1,1\n"),
+        "{bearings}"
+    );
     let mut parts = recording();
     parts.scans[1].detections.remove(0);
     parts.detection_ids.pop();
     let fault = refused("stonesoup_polar", &checked(parts));
-    assert_eq!(fault.allowed.as_deref(), Some("stonesoup, stonesoup_bearings"));
+    assert_eq!(
+        fault.allowed.as_deref(),
+        Some("stonesoup, stonesoup_bearings")
+    );
 }
 
 #[test]
@@ -299,7 +385,10 @@ fn tracks_of_stone_soup_are_sorted_by_time_and_a_column_is_full_or_absent() {
     );
     set.tracks[1].points[0].estimate.velocity = None;
     let text = written("stonesoup", &Dataset::Tracks(set));
-    assert!(text.starts_with("time_s,track_id,x_m,y_m,status\n0,1,0,1,confirmed\n"), "{text}");
+    assert!(
+        text.starts_with("time_s,track_id,x_m,y_m,status\n0,1,0,1,confirmed\n"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -320,4 +409,40 @@ fn a_volume_has_heights_above_the_ellipsoid() {
     let feature = &geojson["features"][0];
     assert_eq!(feature["geometry"]["coordinates"], json("[10,45,600]"));
     assert_eq!(feature["properties"]["altitude_reference"], "ellipsoid");
+}
+
+#[test]
+fn tracks_written_as_asterix_are_read_again() {
+    let text = "time_s,track_id,lat_deg,lon_deg,speed_mps,course_deg,address,callsign\n\
+        1700000000,A,50.1,-1.2,200,90,4ca7a8,RYR174C\n1700000004,A,50.1,-1.19,200,90,4ca7a8,RYR174C\n\
+        1700000001,B,50.2,-1.3,100,0,,\n";
+    let options = ReadOptions {
+        options: serde_json::from_value(json!({"time_base": "utc"})).unwrap(),
+        ..ReadOptions::default()
+    };
+    let (read, _) = read_file("a.csv", &mut text.as_bytes(), None, &options).unwrap();
+    let mut bytes = Vec::new();
+    writer_named("asterix").unwrap().put(&read.dataset, &mut bytes).unwrap();
+    let told = ReadOptions {
+        options: serde_json::from_value(json!({"date": "2023-11-14"})).unwrap(),
+        ..ReadOptions::default()
+    };
+    let (again, format) = read_file("a.ast", &mut bytes.as_slice(), None, &told).unwrap();
+    assert_eq!(format.name, "asterix");
+    let Dataset::Tracks(set) = again.dataset else {
+        panic!("not tracks");
+    };
+    assert_eq!(set.tracks.len(), 2);
+    let [first, second] = [&set.tracks[0], &set.tracks[1]];
+    assert_eq!((first.points.len(), second.points.len()), (2, 1));
+    // Times are of 1/128 s, places of 180/2^25 degrees: half a metre; velocities of 0.25 m/s.
+    assert!((first.points[1].time_s - 1_700_000_004.0).abs() < 1.0 / 128.0);
+    let frame = set.frame.unwrap();
+    let plane = Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
+    let (lat_deg, lon_deg) = plane.unproject(&first.points[1].estimate.position.xy());
+    assert!((lat_deg - 50.1).abs() < 6e-6 && (lon_deg + 1.19).abs() < 6e-6, "{lat_deg} {lon_deg}");
+    let velocity = first.points[0].estimate.velocity.unwrap();
+    assert!((velocity.x - 200.0).abs() < 1.0 && velocity.y.abs() < 1.5, "{velocity}");
+    let known = &set.attributes[&first.track_id];
+    assert_eq!((known["address"].to_lowercase().as_str(), known["callsign"].as_str()), ("4ca7a8", "RYR174C"));
 }
