@@ -35,9 +35,10 @@ impl Seed {
 
 const DETECTIONS: &str = "time_s,sensor_id,scan,detection_id,truth_id,amplitude,x_m,y_m\n\
     0,radar,1,d1,A,1.5,100,200\n0,radar,1,d2,,2.5,-40,3e2\n4,radar,2,d3,A,1,110,210.5\n";
-const POLAR: &str =
-    "time_s,sensor_id,range_m,bearing_deg\n0,radar,1000,45\n0,radar,2000.5,359.9\n4,radar,990,44\n";
-const BEARINGS: &str = "time_s,sensor_id,bearing_deg\n0,sonar,45\n1,sonar,46.5\n";
+const POLAR: &str = "time_s,sensor_id,scan,detection_id,range_m,bearing_deg\n\
+    0,radar,1,d1,1000,45\n0,radar,1,d2,2000.5,359.9\n4,radar,2,d3,990,44\n";
+const BEARINGS: &str =
+    "time_s,sensor_id,scan,detection_id,bearing_deg\n0,sonar,1,d1,45\n1,sonar,2,d2,46.5\n";
 const TRUTH: &str =
     "time_s,truth_id,x_m,y_m,vx_mps,vy_mps\n0,A,1,2,3,4\n1,A,4,6,3,4\n0,B,-1,-2,,\n";
 const GEOGRAPHIC: &str = "time_s,truth_id,lat_deg,lon_deg,height_m\n\

@@ -96,7 +96,6 @@ fn frames_of_two_flights() {
     assert_eq!(fates(&read), [172_432, 10_392 + 6 + 7, 162_027, 0]);
     let kinds = [0, 4, 5, 11, 16, 20, 21];
     let counts = kinds.map(|kind| ignored(units, &format!("DF{kind}")));
-    // DF4 and DF5 that say nothing new of an aircraft in sight are counted so, too.
     assert_eq!(counts, [21_393, 8841, 2949, 38_456, 2694, 29_460, 18_254]);
     assert_eq!(
         ignored(units, "surface position without receiver place"),
