@@ -29,13 +29,14 @@ fn draw_options(draws: &mut Draws) -> ReadOptions {
     if draws.below(2) == 0 {
         return ReadOptions::default();
     }
-    let told: [(&str, Value); 6] = [
+    let told: [(&str, Value); 7] = [
         ("start", json!("2026-01-31T12:00:00Z")),
         ("max_rejected", json!(1.0)),
         ("date", json!("2026-01-31")),
         ("identity", json!("drop")),
         ("receiver", json!({"lat_deg": 52.3, "lon_deg": 4.8})),
         ("test_targets", json!(true)),
+        ("utc_offset_s", json!(0.0)),
     ];
     let mut options = ReadOptions {
         kind: DatasetKind::ALL.get(draws.below(16)).copied(),
