@@ -121,13 +121,13 @@ fn octets(hex: &str) -> Vec<u8> {
     (0..hex.len()).step_by(2).map(octet).collect()
 }
 
-/// The frames in each framing, half a second apart.
+/// The frames in each framing, half a second apart. A counter at 0 says no time.
 fn frames() -> Vec<Seed> {
     // What says no time cannot be used: the first frame only makes the reader meet one.
     let mut avr = format!("*{};\n", FRAMES[2]);
     let (mut beast, mut text) = (Vec::new(), String::new());
     for (index, frame) in FRAMES.iter().enumerate() {
-        let ticks = 6_000_000 * index as u64;
+        let ticks = 6_000_000 * (index as u64 + 1);
         avr.push_str(&format!("@{ticks:012X}{frame};\n"));
         let body = [&ticks.to_be_bytes()[2..], &[0x40], &octets(frame)[..]].concat();
         beast.extend([0x1a, 0x33]);
