@@ -1,7 +1,7 @@
 //! `cargo bench -p trackloom-domain --bench sonar`: what deciding a scan costs on the scenes of bearings, in the yardstick u (one predict
 //! and update of a 4-state Kalman filter) measured in the same run, as a share of the sensor's scan period, and as a ratio to JPDA. Each
-//! associator meets all problems of a run once more, alone between two looks at the processor's clock; the figure is the median of the timed runs.
-//! The rows are those of `docs/data/wang-bat-times.csv`.
+//! associator meets all problems of a run once more, alone between two looks at the processor's clock; the figure is the median of
+//! the timed runs. The rows are those of `docs/data/wang-bat-times.csv`.
 
 #[path = "support/yardstick.rs"]
 mod yardstick;

@@ -32,8 +32,8 @@ const PARTS: [(&str, Part); 3] = [
     ("both", both),
 ];
 
-/// Books the time between two looks at the clock on the step of the second, or on that of the first where the second only begins. It does not
-/// look within the steps that it times.
+/// Books the time between two looks at the clock on the step of the second, or on that of the first where the second only begins.
+/// It does not look within the steps that it times.
 struct Watch {
     last: (f64, Step),
     track_s: f64,

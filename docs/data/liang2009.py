@@ -100,8 +100,8 @@ def memory(program):
 
 
 def around_switches(program):
-    """Position error (m) of tracks before and after their first detection of another target or of clutter, at ten times the paper's density;
-    at the paper's how many tracks there are with one."""
+    """Position error (m) of tracks before and after their first detection of another target or of clutter, at ten times the
+    paper's density; at the paper's how many tracks there are with one."""
     errors = defaultdict(list)
     for seed in range(1, SEEDS + 1):
         out, _ = program.run(1000, seed, density=10)
