@@ -1,6 +1,8 @@
 //! The sensors of a recording, completed: what the request says, else what came with the data, else what can soundly
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
+mod place;
+
 use super::extent::{Extent, detections_of, place_of, space_of};
 use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
@@ -489,5 +491,4 @@ fn estimated_clutter(recording: &Recording, sensor: usize, extent: &Extent) -> f
 }
 
 #[cfg(test)]
-mod place;
 mod tests;

@@ -6,12 +6,12 @@ mod write;
 
 pub use write::write;
 
-use super::estimate::{EstimateColumns, EstimateLayout};
+use super::estimate::EstimateColumns;
 use super::ground::{self, Ground};
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
-use super::{Repeats, Sink, Table};
+use super::{Repeats, Table};
 use crate::formats::disorder::Disorder;
 use crate::geodesy::Stereographic;
 use crate::model::attributes::Attributes;
@@ -20,7 +20,6 @@ use crate::model::fault::Fault;
 use crate::model::space::Space;
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 use std::collections::{BTreeSet, HashMap};
-use std::io;
 
 /// Where the columns of tracks are.
 struct Columns {
