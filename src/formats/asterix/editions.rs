@@ -47,7 +47,7 @@ pub fn choose(file: &[u8], framing: Framing, told: &Told) -> Result<Chosen, Vec<
                 chosen.uaps.insert(*category, Uap::of(edition));
                 chosen.warnings.extend(warning);
             }
-            Err(fault) => faults.push(fault),
+            Err(fault) => faults.extend(fault),
         }
     }
     if faults.is_empty() {
@@ -127,7 +127,7 @@ fn of_category(
     category: u8,
     named: Option<&'static Edition>,
     sample: &Sample,
-) -> Result<(&'static Edition, Option<String>), Fault> {
+) -> Result<(&'static Edition, Option<String>), Vec<Fault>> {
     if let Some(edition) = named {
         let fit = Fit::of(edition, sample);
         return match fit.is_enough() {
@@ -154,7 +154,7 @@ fn another(category: u8, edition: &Edition) -> String {
     )
 }
 
-fn unsupported(category: u8, fits: &[(&'static Edition, Fit)]) -> Fault {
+fn unsupported(category: u8, fits: &[(&'static Edition, Fit)]) -> Vec<Fault> {
     let tried: Vec<String> = fits
         .iter()
         .map(|(edition, fit)| format!("as edition {} {}", edition.name, fit.told()))
@@ -163,7 +163,7 @@ fn unsupported(category: u8, fits: &[(&'static Edition, Fit)]) -> Fault {
         "records of category {category:03} are of no edition that is read: {}",
         tried.join("; ")
     );
-    Fault::new("/file", "unsupported_edition", detail)
+    vec![Fault::new("/file", "unsupported_edition", detail)]
 }
 
 impl Fit {

@@ -216,7 +216,7 @@ impl<'a> Pieces<'a> {
 ///
 /// # Errors
 /// `unsupported`, with what was tried and where each broke.
-pub fn tell(file: &[u8]) -> Result<Framing, Fault> {
+pub fn tell(file: &[u8]) -> Result<Framing, Vec<Fault>> {
     let walked: Vec<&[u8]> = payloads(file)
         .filter_map(|payload| match payload.content {
             Content::Octets(octets) => Some(octets),
@@ -233,7 +233,7 @@ pub fn tell(file: &[u8]) -> Result<Framing, Fault> {
     let best = ORDER.into_iter().rev().max_by_key(fits);
     match best {
         Some(framing) if fits(&framing) > 0 => Ok(framing),
-        _ => Err(none_fits(walked.first().copied())),
+        _ => Err(vec![none_fits(walked.first().copied())]),
     }
 }
 

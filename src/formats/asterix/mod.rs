@@ -64,7 +64,7 @@ pub fn decode(input: &mut dyn BufRead, told: &Told) -> Result<Decoded, Vec<Fault
     if file.is_empty() {
         return Err(vec![Fault::new("/file", "empty", "the file is empty")]);
     }
-    let framing = framing::tell(&file).map_err(|fault| vec![fault])?;
+    let framing = framing::tell(&file)?;
     let chosen = editions::choose(&file, framing, told)?;
     let kind = told.kind.unwrap_or_else(|| default_kind(&chosen.uaps));
     let mut gathering = gather::Gathering::new(kind, told, &chosen.uaps);

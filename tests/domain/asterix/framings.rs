@@ -86,7 +86,7 @@ fn frames_of_recorders_are_told_apart() {
 #[test]
 fn frames_of_comsoft_have_a_text_before_them() {
     let [first, second] = two_blocks();
-    let mut head = b"2014-02-25 12:43:46\02014-02-25 12:44:46\0".to_vec();
+    let mut head = b"2014-02-25 12:43:46\x002014-02-25 12:44:46\x00".to_vec();
     head.resize(128, 0);
     let little = |block: &[u8]| {
         [

@@ -20,7 +20,7 @@ fn address() -> impl Strategy<Value = Option<u32>> {
 }
 
 fn motion() -> impl Strategy<Value = Option<Motion>> {
-    let motion = (0.0..900.0, 0.0..6.28).prop_map(|(speed_mps, course_rad)| Motion {
+    let motion = (0.0..900.0, 0.0..6.25).prop_map(|(speed_mps, course_rad)| Motion {
         speed_mps,
         course_rad,
     });
@@ -84,7 +84,7 @@ pub fn track() -> impl Strategy<Value = TrackRecord> {
 }
 
 pub fn plot() -> impl Strategy<Value = PlotRecord> {
-    let head = (any::<(u8, u8)>(), (0.0..255.9 * NM, 0.0..6.28), 1u8..=7);
+    let head = (any::<(u8, u8)>(), (0.0..255.9 * NM, 0.0..6.25), 1u8..=7);
     let flags = (any::<(bool, bool)>(), proptest::option::of(0u16..1 << 12));
     let names = (
         address(),
