@@ -247,5 +247,11 @@ fn places_in_a_volume_are_apart_by_all_axes() {
     let distances: Vec<f64> = comparison.pairs.iter().map(|pair| pair.distance).collect();
     assert_eq!(distances, [50.0, 50.0]);
     let in_plane = tracks_of(&[("T", &[30.0, 33.0])]);
-    assert!(compare_sets(&truth, &in_plane, 60.0).pairs.is_empty());
+    let comparison = compare_sets(&truth, &in_plane, 60.0);
+    let distances: Vec<f64> = comparison.pairs.iter().map(|pair| pair.distance).collect();
+    assert_eq!(
+        (comparison.space, distances),
+        (Some(Space::Plane), vec![30.0; 2])
+    );
+    assert_eq!(comparison.warnings.len(), 1, "that heights are left out");
 }
