@@ -41,7 +41,6 @@ fn place(x_m: f64, y_m: f64) -> Kinematics {
 
 pub fn tracks_of(tracks: &[Places]) -> TrackSet {
     let point = |(time_s, x_m)| TrackPoint {
-        height_m: None,
         time_s,
         sensor: None,
         estimate: place(x_m, 0.0),
@@ -226,7 +225,6 @@ fn in_the_plane(targets: Vec<Target>, tracks: &[Path], gate_m: f64) -> Compariso
     let like = tracks_of(&[("", &[0.0])]).tracks[0].points[0].clone();
     for (track, (_, start_s, places)) in set.tracks.iter_mut().zip(tracks) {
         let point = |(step, &(x_m, y_m)): (usize, &(f64, f64))| TrackPoint {
-            height_m: None,
             time_s: start_s + step as f64,
             estimate: place(x_m, y_m),
             ..like.clone()
@@ -249,7 +247,11 @@ fn places_in_a_volume_are_apart_by_all_axes() {
     let distances: Vec<f64> = comparison.pairs.iter().map(|pair| pair.distance).collect();
     assert_eq!(distances, [50.0, 50.0]);
     let in_plane = tracks_of(&[("T", &[30.0, 33.0])]);
-    let flat = compare_sets(&truth, &in_plane, 60.0);
-    let distances: Vec<f64> = flat.pairs.iter().map(|pair| pair.distance).collect();
-    assert_eq!(distances, [30.0, 30.0]);
+    let comparison = compare_sets(&truth, &in_plane, 60.0);
+    let distances: Vec<f64> = comparison.pairs.iter().map(|pair| pair.distance).collect();
+    assert_eq!(
+        (comparison.space, distances),
+        (Some(Space::Plane), vec![30.0; 2])
+    );
+    assert_eq!(comparison.warnings.len(), 1, "that heights are left out");
 }

@@ -506,9 +506,9 @@ fn what_has_to_be_told_is_asked_for() {
         (fault.code, fault.pointer)
     };
     let missing = |pointer: &str| ("missing".to_owned(), pointer.to_owned());
-    assert_eq!(code(&beast(1, EVEN)), missing("/meta/options/start"));
-    assert_eq!(code(b"*8D;"), missing("/meta/options/start"));
-    assert_eq!(code(b"MSG,1"), missing("/meta/options/utc_offset"));
+    assert_eq!(code(&beast(1, EVEN)), missing("/meta/start"));
+    assert_eq!(code(b"*8D;"), missing("/meta/start"));
+    assert_eq!(code(b"MSG,1"), missing("/meta/utc_offset_s"));
     assert_eq!(code(b"<xml>").0, "unsupported");
     assert_eq!(code(b"").0, "unsupported");
 }

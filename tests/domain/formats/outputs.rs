@@ -2,8 +2,8 @@
 //! origin are worked out by hand; that all places and files are right to other programs is checked by `tests/formats/outputs.py`.
 
 use super::*;
-use std::collections::BTreeMap;
 use serde_json::json;
+use std::collections::BTreeMap;
 use trackloom_domain::formats::{WRITERS, WriteError, read_file, writer_named};
 use trackloom_domain::geodesy::Stereographic;
 use trackloom_domain::model::boxes::BoxSet;
@@ -422,7 +422,10 @@ fn tracks_written_as_asterix_are_read_again() {
     };
     let (read, _) = read_file("a.csv", &mut text.as_bytes(), None, &options).unwrap();
     let mut bytes = Vec::new();
-    writer_named("asterix").unwrap().put(&read.dataset, &mut bytes).unwrap();
+    writer_named("asterix")
+        .unwrap()
+        .put(&read.dataset, &mut bytes)
+        .unwrap();
     let told = ReadOptions {
         options: serde_json::from_value(json!({"date": "2023-11-14"})).unwrap(),
         ..ReadOptions::default()
@@ -440,9 +443,21 @@ fn tracks_written_as_asterix_are_read_again() {
     let frame = set.frame.unwrap();
     let plane = Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
     let (lat_deg, lon_deg) = plane.unproject(&first.points[1].estimate.position.xy());
-    assert!((lat_deg - 50.1).abs() < 6e-6 && (lon_deg + 1.19).abs() < 6e-6, "{lat_deg} {lon_deg}");
+    assert!(
+        (lat_deg - 50.1).abs() < 6e-6 && (lon_deg + 1.19).abs() < 6e-6,
+        "{lat_deg} {lon_deg}"
+    );
     let velocity = first.points[0].estimate.velocity.unwrap();
-    assert!((velocity.x - 200.0).abs() < 1.0 && velocity.y.abs() < 1.5, "{velocity}");
+    assert!(
+        (velocity.x - 200.0).abs() < 1.0 && velocity.y.abs() < 1.5,
+        "{velocity}"
+    );
     let known = &set.attributes[&first.track_id];
-    assert_eq!((known["address"].to_lowercase().as_str(), known["callsign"].as_str()), ("4ca7a8", "RYR174C"));
+    assert_eq!(
+        (
+            known["address"].to_lowercase().as_str(),
+            known["callsign"].as_str()
+        ),
+        ("4ca7a8", "RYR174C")
+    );
 }
