@@ -41,6 +41,7 @@ fn place(x_m: f64, y_m: f64) -> Kinematics {
 
 pub fn tracks_of(tracks: &[Places]) -> TrackSet {
     let point = |(time_s, x_m)| TrackPoint {
+        height_m: None,
         time_s,
         sensor: None,
         estimate: place(x_m, 0.0),
@@ -225,6 +226,7 @@ fn in_the_plane(targets: Vec<Target>, tracks: &[Path], gate_m: f64) -> Compariso
     let like = tracks_of(&[("", &[0.0])]).tracks[0].points[0].clone();
     for (track, (_, start_s, places)) in set.tracks.iter_mut().zip(tracks) {
         let point = |(step, &(x_m, y_m)): (usize, &(f64, f64))| TrackPoint {
+            height_m: None,
             time_s: start_s + step as f64,
             estimate: place(x_m, y_m),
             ..like.clone()

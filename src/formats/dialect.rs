@@ -32,7 +32,9 @@ impl Dialect {
             comments.push(line);
         }
         let delimiter = delimiter_of(header);
-        let marked = comments.last().is_some_and(|line| is_header(line, header, delimiter));
+        let marked = comments
+            .last()
+            .is_some_and(|line| is_header(line, header, delimiter));
         let row = if marked { Some(header) } else { lines.next() };
         let has_decimal_commas = delimiter != b','
             && row.is_some_and(|row| row.split(|&byte| byte == delimiter).any(is_decimal_comma));

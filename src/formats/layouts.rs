@@ -184,7 +184,9 @@ impl Layout {
             lat: find(self.lat).unwrap_or_default(),
             lon: find(self.lon).unwrap_or_default(),
             height: None,
-            speed: self.speed.and_then(|(name, scale)| Some((find(name)?, scale))),
+            speed: self
+                .speed
+                .and_then(|(name, scale)| Some((find(name)?, scale))),
             course: self.course.and_then(find),
             attributes: Vec::new(),
         };
@@ -192,7 +194,9 @@ impl Layout {
             columns.height = columns.height.or(find(name).map(|column| (column, *scale)));
         }
         for (name, attribute) in self.attributes {
-            columns.attributes.extend(find(name).map(|column| (*attribute, column)));
+            columns
+                .attributes
+                .extend(find(name).map(|column| (*attribute, column)));
         }
         columns
     }

@@ -31,4 +31,3 @@ pub(super) fn in_plane(
         ..settings
     })
 }
-
