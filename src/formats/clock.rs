@@ -141,7 +141,7 @@ impl Clock {
             .date()
             .to_datetime(pieces.time().unwrap_or(Time::midnight()));
         let offset = pieces.to_numeric_offset();
-        Some(self.to_utc(local, offset))
+        Some(self.as_utc(local, offset))
     }
 
     fn read_named(&mut self, format: &str, text: &str) -> Option<(Way, f64)> {
@@ -152,7 +152,7 @@ impl Clock {
         match (parts.to_date(), parts.to_time()) {
             (Ok(date), time) => {
                 let local = date.to_datetime(time.unwrap_or(Time::midnight()));
-                Some((Way::Instant, self.to_utc(local, parts.offset())))
+                Some((Way::Instant, self.as_utc(local, parts.offset())))
             }
             (Err(_), Ok(time)) => {
                 let offset_s = self.utc_offset_s.unwrap_or_default();
@@ -162,7 +162,7 @@ impl Clock {
         }
     }
 
-    fn to_utc(&mut self, local: DateTime, offset: Option<Offset>) -> f64 {
+    fn as_utc(&mut self, local: DateTime, offset: Option<Offset>) -> f64 {
         let as_utc_s = TimeZone::UTC
             .to_timestamp(local)
             .map_or(f64::NAN, |timestamp| seconds(timestamp.as_nanosecond()));

@@ -85,8 +85,8 @@ impl Stream {
     fn open(bytes: Vec<u8>) -> Result<Self, Vec<Fault>> {
         let (mut first, mut end) = (0, bytes.len());
         if bytes.starts_with(ARROW_MAGIC) {
-            first = ARROW_MAGIC.len();
             end = footer_start(&bytes).map_err(damaged)?;
+            first = messages_start(&bytes[..end]);
         }
         if first > end {
             return Err(damaged("the footer is longer than the file"));
@@ -113,6 +113,16 @@ impl Iterator for Stream {
     fn next(&mut self) -> Option<Self::Item> {
         self.next_batch().transpose()
     }
+}
+
+/// Where the messages of a file begin: behind the magic and as many zeros as its writer aligns to.
+fn messages_start(bytes: &[u8]) -> usize {
+    let is_zero = |byte: &u8| *byte == 0;
+    let padding = bytes
+        .iter()
+        .skip(ARROW_MAGIC.len())
+        .take_while(|byte| is_zero(byte));
+    ARROW_MAGIC.len() + padding.count()
 }
 
 /// Where the footer of a file begins: its length and the magic stand behind it.

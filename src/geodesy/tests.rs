@@ -19,8 +19,15 @@ fn assert_near(found: f64, wanted: f64, tolerance: f64) {
     );
 }
 
+/// Latitude, longitude (degrees), height (m).
+type Site = (f64, f64, f64);
+/// The same without height.
+type OnEarth = (f64, f64);
+/// Range (NM), bearing (degrees), flight level, and where that is.
+type Seen = (f64, f64, Option<f64>, OnEarth);
+
 /// Latitude, longitude, height; geocentric.
-const GEOCENTRIC: &[((f64, f64, f64), [f64; 3])] = &[
+const GEOCENTRIC: &[(Site, [f64; 3])] = &[
     (
         (63.4389029083, 10.39908278, 39.923),
         [2812709.903606396, 516182.3247799928, 5682056.950295131],
@@ -57,7 +64,7 @@ const GEOCENTRIC: &[((f64, f64, f64), [f64; 3])] = &[
 ];
 
 /// Site; place; east, north, up.
-const LOCAL: &[((f64, f64, f64), (f64, f64, f64), [f64; 3])] = &[
+const LOCAL: &[(Site, Site, [f64; 3])] = &[
     (
         (50.77, -1.2, 0.0),
         (50.7730133333333, -1.092935, 0.0),
@@ -124,7 +131,7 @@ const LOCAL: &[((f64, f64, f64), (f64, f64, f64), [f64; 3])] = &[
 ];
 
 /// Origin; place; x, y.
-const PLANE: &[((f64, f64), (f64, f64), [f64; 2])] = &[
+const PLANE: &[(OnEarth, OnEarth, [f64; 2])] = &[
     (
         (50.77, -1.2),
         (50.7730133333333, -1.092935),
@@ -178,7 +185,7 @@ const PLANE: &[((f64, f64), (f64, f64), [f64; 2])] = &[
 ];
 
 /// From the site of a radar: range (NM), bearing (degrees), flight level; latitude, longitude.
-const SLANT: &[(f64, f64, Option<f64>, (f64, f64))] = &[
+const SLANT: &[Seen] = &[
     (
         64.0,
         90.0,

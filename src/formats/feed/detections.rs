@@ -4,7 +4,7 @@ use super::place::Ground;
 use super::scans;
 use super::{Attribute, Feed, Manner, Spot};
 use crate::formats::Reading;
-use crate::model::beside::{Beside, Labels};
+use crate::model::beside::Beside;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan, mean_time_s};
@@ -185,10 +185,7 @@ impl LabelMaker {
         let detections = beside.times_s.len();
         for (attribute, text) in feed.said_of(report) {
             let name = Attribute::name(attribute);
-            let labels = beside
-                .attributes
-                .entry(name)
-                .or_insert_with(Labels::default);
+            let labels = beside.attributes.entry(name).or_default();
             let key = (name, text.to_owned());
             let number = *self.numbers.entry(key).or_insert_with(|| {
                 labels.texts.push(text.to_owned());

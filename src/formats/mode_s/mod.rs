@@ -60,7 +60,7 @@ enum Framing {
 /// Reads a file in whichever of the framings it is.
 ///
 /// # Errors
-/// A framing that is none of these; `start`, or `utc_offset`, where the framing has no times without it; a line that is too
+/// A framing that is none of these; `start`, or `utc_offset_s`, where the framing has no times without it; a line that is too
 /// long, and a file that cannot be read.
 pub fn decode(input: &mut dyn BufRead, told: &Told) -> Result<Feed, Vec<Fault>> {
     let framing = framing(input)?;
@@ -78,7 +78,7 @@ pub fn decode(input: &mut dyn BufRead, told: &Told) -> Result<Feed, Vec<Fault>> 
         Framing::Sbs => {
             let offset_s = told.utc_offset_s.ok_or_else(|| {
                 missing(
-                    "utc_offset",
+                    "utc_offset_s",
                     "the times of a BaseStation are local and name no zone",
                 )
             })?;
@@ -118,11 +118,7 @@ fn framing(input: &mut dyn BufRead) -> Result<Framing, Vec<Fault>> {
 }
 
 fn missing(option: &str, detail: &str) -> Vec<Fault> {
-    vec![Fault::new(
-        format!("/meta/options/{option}"),
-        "missing",
-        detail,
-    )]
+    vec![Fault::new(format!("/meta/{option}"), "missing", detail)]
 }
 
 fn clock(told: &Told) -> Result<Clock, Vec<Fault>> {

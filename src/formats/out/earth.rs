@@ -28,16 +28,16 @@ pub struct Earth {
 impl Earth {
     /// # Errors
     /// `no_frame` of a dataset that does not know where its origin is.
-    pub fn of(dataset: &Dataset, format: &str) -> Result<Earth, Fault> {
+    pub fn of(dataset: &Dataset, format: &str) -> Result<Earth, Box<Fault>> {
         let space = match dataset {
             Dataset::Detections(recording) if recording.is_in_volume() => Space::Volume,
             Dataset::Detections(_) => Space::Plane,
             Dataset::Truth(truth) => truth.space(),
             Dataset::Tracks(set) => set.space,
-            _ => return Err(super::no_places(format)),
+            _ => return Err(super::no_places(format).into()),
         };
         if !space.has_places() {
-            return Err(super::no_places(format));
+            return Err(super::no_places(format).into());
         }
         let frame = dataset.frame().ok_or_else(|| no_frame(format))?;
         Ok(Earth::about(&frame, space))
@@ -61,7 +61,12 @@ impl Earth {
 
     /// # Errors
     /// A fault of a place so far from the origin that it is nowhere on the Earth.
-    pub fn spot(&self, time_s: f64, place_m: &Place, height_m: Option<f64>) -> Result<Spot, Fault> {
+    pub fn spot(
+        &self,
+        time_s: f64,
+        place_m: &Place,
+        height_m: Option<f64>,
+    ) -> Result<Spot, Box<Fault>> {
         let (lat_deg, lon_deg, height_m) = match self.space {
             Space::Volume => {
                 let there = self.origin.at_enu(place_m);
@@ -87,7 +92,7 @@ impl Earth {
                     "the place ({} m, {} m) at {time_s} s is not on the Earth",
                     place_m.x, place_m.y
                 );
-                refusal("out_of_range", detail)
+                refusal("out_of_range", detail).into()
             })
     }
 }

@@ -48,6 +48,12 @@ pub enum WriteError {
     Output(#[from] io::Error),
 }
 
+impl From<Box<Fault>> for WriteError {
+    fn from(fault: Box<Fault>) -> Self {
+        WriteError::Faults(vec![*fault])
+    }
+}
+
 impl From<Fault> for WriteError {
     fn from(fault: Fault) -> Self {
         WriteError::Faults(vec![fault])

@@ -97,15 +97,15 @@ fn place_of(
     scan: &Scan,
     detection: &Detection,
     sensor_m: Option<Position>,
-) -> Result<Option<Position>, Fault> {
+) -> Result<Option<Position>, Box<Fault>> {
     let from_m = scan.pose.map(|pose| pose.place.xy()).or(sensor_m);
     match (detection.measurement, from_m) {
         (Measurement::RangeBearing { .. }, None) => {
             let name = &recording.sensors[scan.sensor].sensor_id;
             let detail =
                 format!("sensor '{name}' reports ranges, and the dataset does not say where it is");
-            Err(refusal("missing", detail)
-                .allowing("`sensors` of the upload with x_m, y_m or lat_deg, lon_deg; or csv, json, stonesoup_polar"))
+            Err(Box::new(refusal("missing", detail)
+                .allowing("`sensors` of the upload with x_m, y_m or lat_deg, lon_deg; or csv, json, stonesoup_polar")))
         }
         (measurement, from_m) => Ok(measurement.position_seen_from(&from_m.unwrap_or_default())),
     }

@@ -145,7 +145,7 @@ fn write_detections(
 }
 
 /// Refuses a recording that has reports, but none for this file.
-fn check_reports(recording: &Recording, wanted: Report) -> Result<(), Fault> {
+fn check_reports(recording: &Recording, wanted: Report) -> Result<(), Box<Fault>> {
     let has = |report: &Report| {
         recording
             .detections()
@@ -162,7 +162,9 @@ fn check_reports(recording: &Recording, wanted: Report) -> Result<(), Fault> {
     }
     let columns = wanted.columns().join(" and ");
     let detail = format!("'{name}' holds detections with {columns}, the dataset has others");
-    Err(refusal("unsupported", detail).allowing(there.join(", ")))
+    Err(refusal("unsupported", detail)
+        .allowing(there.join(", "))
+        .into())
 }
 
 fn measured(measurement: &Measurement) -> Vec<f64> {

@@ -28,7 +28,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 ///
 /// # Errors
 /// A fault of a time before the year 1 or after the year 9999, which no calendar of those who read it has.
-pub fn instant(time_s: f64) -> Result<String, Fault> {
+pub fn instant(time_s: f64) -> Result<String, Box<Fault>> {
     const FIRST_S: f64 = -62_135_596_800.0;
     const END_S: f64 = 253_402_300_799.0;
     let found = (FIRST_S..END_S)
@@ -39,7 +39,7 @@ pub fn instant(time_s: f64) -> Result<String, Fault> {
         .map(|instant| instant.to_string())
         .ok_or_else(|| {
             let detail = format!("{time_s} s after 1970 is no instant that the format can say");
-            refusal("out_of_range", detail).allowing("years 1 to 9999")
+            Box::new(refusal("out_of_range", detail).allowing("years 1 to 9999"))
         })
 }
 

@@ -133,7 +133,7 @@ pub struct Runs {
 /// What came of an order.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Made {
-    Checked(Checked),
+    Checked(Box<Checked>),
     Preview(Box<RawValue>),
     /// The file that was named is there.
     Written,

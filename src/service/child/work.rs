@@ -100,7 +100,7 @@ fn check(upload: &Upload) -> Result<Made, Failure> {
     let inspection = upload
         .inspect
         .then(|| inspect(read, format.name, file_name));
-    Ok(Made::Checked(Checked {
+    Ok(Made::Checked(Box::new(Checked {
         format: format.name.to_owned(),
         summary,
         warnings,
@@ -108,7 +108,7 @@ fn check(upload: &Upload) -> Result<Made, Failure> {
             .map(serde_json::to_value)
             .transpose()
             .map_err(internal)?,
-    }))
+    })))
 }
 
 fn unknown_format(detail: String) -> Failure {

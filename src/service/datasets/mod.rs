@@ -121,7 +121,7 @@ impl Datasets {
     async fn check(&self, upload: Upload) -> Result<Checked, ServiceError> {
         let order = Order::Check(upload);
         match self.uploads.ask(order, "reading the file").await? {
-            Made::Checked(checked) => Ok(checked),
+            Made::Checked(checked) => Ok(*checked),
             made => Err(unexpected(&made).into()),
         }
     }

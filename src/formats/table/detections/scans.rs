@@ -173,7 +173,7 @@ fn turns(found: &[Found], rows: &[usize]) -> bool {
         let (before, after) = (&found[pair[0]], &found[pair[1]]);
         let step = bearing_of(after) - bearing_of(before);
         forward += usize::from(
-            after.time_s > before.time_s && (step >= 0.0 || step < -std::f64::consts::PI),
+            after.time_s > before.time_s && !(-std::f64::consts::PI..0.0).contains(&step),
         );
     }
     rows.len() > 2 && forward * 10 >= (rows.len() - 1) * 9
