@@ -225,6 +225,8 @@ def check_columns(source: Path, paths: dict) -> None:
     table = pyarrow.ipc.open_file(convert(source, "arrow")).read_all()
     assert table.to_pandas().equals(frame)
     assert json.loads(table.schema.metadata[b"trackloom"])["time_base"] == "utc"
+    for name in ["parquet", "arrow"]:
+        check_geojson(convert(source, name), paths, "truth_id")
     # As others write it: without our metadata, times of nanoseconds, plain texts, and as a stream.
     plain = frame.drop(columns=["x_m", "y_m"]).astype({"truth_id": str, "time": "datetime64[ns, UTC]"})
     again = work / "again.parquet"
@@ -234,6 +236,8 @@ def check_columns(source: Path, paths: dict) -> None:
     stripped = pyarrow.Table.from_pandas(plain, preserve_index=False)
     with pyarrow.ipc.new_stream(str(again), stripped.schema) as stream:
         stream.write_table(stripped)
+    check_geojson(again, paths, "truth_id")
+    plain.to_feather(again, compression="uncompressed")
     check_geojson(again, paths, "truth_id")
 
 
@@ -315,6 +319,8 @@ def check_over_the_line() -> None:
 
 
 def main() -> None:
+    # The package rounds what it reads to six decimals else.
+    geojson.geometry.DEFAULT_PRECISION = 15
     warnings.filterwarnings("ignore", module="pyogrio")
     source, paths = flights()
     check_geojson(source, paths, "truth_id")

@@ -73,7 +73,7 @@ fn push_path(text: &mut String, id: &str, mut path: Path) -> Result<(), WriteErr
     let ground = if path.has_heights() {
         ""
     } else {
-        ",\"heightReference\":\"CLAMP_TO_GROUND\""
+        ",\"heightReference\":{\"heightReference\":\"CLAMP_TO_GROUND\"}"
     };
     text.push_str(&format!(
         ",\"point\":{{\"pixelSize\":8,\"color\":{{\"rgba\":[255,85,0,255]}}{ground}}},\"label\":{{\"text\":"
