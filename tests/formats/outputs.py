@@ -239,6 +239,8 @@ def check_columns(source: Path, paths: dict) -> None:
     check_geojson(again, paths, "truth_id")
     plain.to_feather(again, compression="uncompressed")
     check_geojson(again, paths, "truth_id")
+    plain.to_feather(again, compression="lz4")
+    assert "compressed in a way" in str(convert(again, "csv", refused=True))
 
 
 def check_stone_soup(truth: Path, tracks: Path, paths: dict, seen: Path) -> None:
