@@ -1,7 +1,7 @@
 // One data set: what it holds, where it came from, what its reader had to say, and its first rows.
 
 import { useSignal } from "@preact/signals";
-import type { JSX } from "preact";
+import type { JSX, TargetedEvent } from "preact";
 import { deleteDataset, getDataset, getDatasetAs, previewDataset } from "../api/client";
 import type { Cell, Dataset, DatasetPreview, SensorSettings } from "../api/types";
 import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
@@ -27,6 +27,7 @@ const FORMATS: [string, string, string][] = [
   ["czml", "CZML (Cesium)", "czml"],
   ["gpx", "GPX", "gpx"],
   ["trips", "Trips (kepler.gl)", "geojson"],
+  ["asterix", "ASTERIX 062", "ast"],
   ["stonesoup", "Stone Soup", "csv"],
 ];
 
@@ -100,7 +101,7 @@ function Found({ dataset }: { dataset: Dataset }): JSX.Element {
 
 function SaveAs(props: { dataset: Dataset; failed: (error: unknown) => void }): JSX.Element {
   const { id, name } = props.dataset;
-  const save = (event: JSX.TargetedEvent<HTMLSelectElement>) => {
+  const save = (event: TargetedEvent<HTMLSelectElement>) => {
     const chosen = FORMATS.find(([format]) => format === event.currentTarget.value);
     event.currentTarget.value = "";
     if (!chosen) return;
