@@ -57,7 +57,7 @@ async fn a_row_of_the_wrong_length_is_refused() {
 async fn a_missing_column_is_named_with_those_that_are_known() {
     let found = refusal("time_s,scan,sensor_id,detection_id,x_m\n0,1,radar,a,1\n").await;
     let detail = "column 'y_m' is missing: x_m, y_m come together";
-    let allowed = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg";
+    let allowed = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
     let fault = json!({"pointer": "/file", "code": "missing", "detail": detail, "allowed": allowed, "line": 1, "column": "y_m"});
     assert_eq!(found, validation(detail, json!([fault])));
 }
@@ -87,17 +87,10 @@ async fn a_value_that_is_no_finite_number_is_refused() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn unsorted_times_are_refused() {
-    let found = refusal(&format!("{HEADER}8,2,radar,a,1,2\n0,1,radar,b,1,2\n")).await;
-    assert_eq!(
-        found,
-        one(
-            "unsorted",
-            "time 0 s comes after 8 s on line 2",
-            3,
-            "time_s"
-        )
-    );
+async fn scan_numbers_that_fall_with_time_are_refused() {
+    let found = refusal(&format!("{HEADER}0,2,radar,a,1,2\n8,1,radar,b,1,2\n")).await;
+    let detail = "sensor 'radar': scan 2 at 0 s is before the end of scan 1 at 8 s; scan numbers rise with time (line 3)";
+    assert_eq!(found, one("unsorted", detail, 2, "scan"));
 }
 
 #[tokio::test(flavor = "multi_thread")]

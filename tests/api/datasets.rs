@@ -147,7 +147,7 @@ async fn faults_of_the_parts_are_told_at_once() {
     let faults = json!([
         {"pointer": "/meta/kind", "code": "unknown_value", "detail": "unknown value \"stars\"", "allowed": "detections, truth, tracks, bearing_time"},
         {"pointer": "/meta/colour", "code": "unknown_field", "detail": "unknown field 'colour'",
-         "allowed": "name, kind, format, columns, bearing_time, sensors"}
+         "allowed": "name, kind, format, columns, bearing_time, origin, time_format, encoding, utc_offset_s, clock_offset_s, time_base, date, start, receiver, sites, max_rejected, identity, frame_s, path_gap_s, max_speed_mps, assumed_height_m, test_targets, editions, sensors"}
     ]);
     assert_eq!(refused.problem(), validation("2 faults", faults));
     let missing = api.upload_form(Form::new().text("meta", "{}")).await;

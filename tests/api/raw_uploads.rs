@@ -158,7 +158,7 @@ async fn a_form_and_other_types_are_no_file() {
         let answer = upload(&api, &[], media_type, DETECTIONS).await;
         assert_eq!(
             answer.header("accept"),
-            "application/json, application/octet-stream, text/csv, text/plain"
+            "application/gpx+xml, application/json, application/octet-stream, application/vnd.apache.arrow.file, application/vnd.apache.parquet, text/csv, text/plain"
         );
         assert_eq!(
             answer.problem()["code"],
