@@ -266,9 +266,7 @@ fn an_operation_lists_every_status_that_it_may_answer() {
         ),
         (
             "uploadRawDataset",
-            &[
-                "200", "201", "202", "413", "415", "422", "503", "4XX", "5XX",
-            ],
+            &["200", "201", "413", "415", "422", "503", "4XX", "5XX"],
         ),
         (
             "deleteDataset",

@@ -7,7 +7,6 @@ use super::query::{NoParams, Params, names};
 use super::raw_upload;
 use super::state::AppState;
 use super::upload::{self, Upload};
-use crate::experiment::inspect::Inspection;
 use crate::formats::{WRITERS, Writer, writer_named};
 use crate::model::dataset::DatasetKind as ModelKind;
 use crate::registry::placed;
@@ -40,12 +39,10 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// Upload a dataset
 ///
 /// Two parts: `meta` (JSON, may be left out) and `file`. With `meta` first, its faults are told before the file is read.
-/// The same content with the same meta gives the dataset that exists already, with status 200 instead of 201. With `dry_run`
-/// the file is only looked at, and nothing of it is kept.
+/// The same content with the same meta gives the dataset that exists already, with status 200 instead of 201. With
+/// `?dry_run=true` the file is only looked at: the answer says what it holds and what seems wrong, and nothing of it is kept.
 #[utoipa::path(post, path = "/v1/datasets", operation_id = "uploadDataset", tag = "datasets",
-    params(("dry_run" = Option<bool>, Query, description = "Say what the file holds and what seems wrong, and keep nothing.")),
     responses(
-        (status = 202, description = "What the file holds; it is not kept.", body = Inspection),
         (status = 200, description = "The dataset that exists already.", body = DatasetInfo),
         (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
     ))]
@@ -73,9 +70,7 @@ async fn upload_dataset(
 /// The body is the file; what is known of it besides stands in the query, each member of `DatasetMeta` under its name. Checks
 /// and answers are those of the upload in parts.
 #[utoipa::path(post, path = "/v1/datasets/raw", operation_id = "uploadRawDataset", tag = "datasets",
-    params(("dry_run" = Option<bool>, Query, description = "Say what the file holds and what seems wrong, and keep nothing.")),
     responses(
-        (status = 202, description = "What the file holds; it is not kept.", body = Inspection),
         (status = 200, description = "The dataset that exists already.", body = DatasetInfo),
         (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
     ))]
@@ -102,7 +97,7 @@ async fn take(app: &AppState, upload: &Upload, is_dry: bool, places: (&str, &str
     }
     let found = app.datasets.inspect(&upload.file, &upload.meta).await;
     let found = found.map_err(|error| upload::repoint(error, places.0, places.1))?;
-    Ok((StatusCode::ACCEPTED, Json(found)).into_response())
+    Ok(Json(found).into_response())
 }
 
 /// 201 with the dataset, or 200 where it was there before; faults name the places of the meta and of the file.
