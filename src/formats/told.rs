@@ -54,8 +54,15 @@ fn of_bytes(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Whether the bytes are blocks of ASTERIX: category, length, the next block; the last one may be cut off.
+/// Whether the bytes are blocks of ASTERIX: category, length, the next block; the last one may be cut off. A text is none, even where
+/// its letters happen to be lengths.
 fn are_blocks(bytes: &[u8]) -> bool {
+    if bytes
+        .iter()
+        .all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace())
+    {
+        return false;
+    }
     let mut rest = bytes;
     let mut blocks = 0;
     while let [category, high, low, ..] = rest {

@@ -70,12 +70,12 @@ def npy_without_its_values():
     return npy("(10000000, 2)")
 
 
-@case(REFUSED, "an array", 200)
+@case(REFUSED, "expected a record", 200)
 def json_of_ones():
     return truth_of(write("truth.json", "[", "1," * 10_000_000, "1]"))
 
 
-@case(REFUSED, "array of records (time)", 200)
+@case(REFUSED, "needs a column 'y_m'", 200)
 def json_of_records():
     return truth_of(write("truth.json", "[", '{"time":1},' * 2_000_000, '{"time":1}]'))
 
