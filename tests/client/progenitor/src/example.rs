@@ -6,7 +6,15 @@ use serde_json::json;
 pub async fn track(url: &str) -> Result<i64, Box<dyn std::error::Error>> {
     let client = Client::new(url);
     let (file, name) = (std::fs::read("detections.csv")?, "trial 7".parse()?);
-    let dataset = client.upload_raw_dataset(None, None, None, None, None, Some(&name), None, file).await?;
+    let dataset = client
+    .upload_raw_dataset(
+        None, None, None, None, None, None, None,
+        None, None, None, None, None, None, None,
+        Some(&name), None, None, None, None, None,
+        None, None, None, None, None,
+        file,
+    )
+    .await?;
     let request: types::AssociateRequest = serde_json::from_value(json!({
         "input": {"source": "dataset", "dataset_id": dataset.id},
         "sensors": [{"sensor_id": "radar", "p_d": 0.95, "clutter_per_m2": 1e-9, "sigma_x_m": 10.0, "sigma_y_m": 10.0}],

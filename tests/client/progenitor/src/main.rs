@@ -37,7 +37,15 @@ async fn main() -> Result<(), Refused> {
 async fn upload(client: &Client, data: &str, name: &str, kind: UploadRawDatasetKind) -> Result<DatasetInfo, Refused> {
     let bytes = std::fs::read(Path::new(data).join(name))?;
     let name = name.parse()?;
-    Ok(client.upload_raw_dataset(None, None, None, None, Some(kind), Some(&name), None, bytes).await?.into_inner())
+    Ok(client
+        .upload_raw_dataset(
+            None, None, None, None, None, None, None,
+            None, None, None, None, Some(kind), None, None, Some(&name),
+            None, None, None, None, None,
+            None, None, None, None, None, bytes,
+        )
+        .await?
+        .into_inner())
 }
 
 fn request(detections: &DatasetInfo, seed: Value) -> Result<types::AssociateRequest, Refused> {
