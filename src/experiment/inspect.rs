@@ -89,7 +89,8 @@ pub fn inspect(read: ReadOutcome, format: &str, path: &str) -> Inspection {
         units,
     } = read;
     let summary = dataset.summary();
-    let suspicions = suspicions::of(&dataset);
+    let places_m = places_of(&dataset);
+    let suspicions = suspicions::of(&dataset, &places_m);
     let sensors = sensors_of(&dataset);
     Inspection {
         kind: summary.kind,
@@ -106,7 +107,7 @@ pub fn inspect(read: ReadOutcome, format: &str, path: &str) -> Inspection {
             .zip(summary.end_s)
             .map(|(start_s, end_s)| TimeSpan { start_s, end_s }),
         frame: summary.frame,
-        area: area_of(&dataset),
+        area: area_of(&places_m, summary.frame),
         warnings,
         suspicions,
     }
@@ -139,7 +140,7 @@ fn median_gap_s(times_s: &[f64]) -> Option<f64> {
     gaps_s.get(gaps_s.len() / 2).copied()
 }
 
-/// All places of a set in metres, with the object that each is of.
+/// All places of a set in metres.
 fn places_of(dataset: &Dataset) -> Vec<Position> {
     match dataset {
         Dataset::Detections(recording) => {
@@ -165,11 +166,10 @@ fn places_of(dataset: &Dataset) -> Vec<Position> {
     }
 }
 
-fn area_of(dataset: &Dataset) -> Option<Area> {
-    let places_m = places_of(dataset);
+fn area_of(places_m: &[Position], frame: Option<Frame>) -> Option<Area> {
     let first = places_m.first()?;
     let (mut least, mut most) = (*first, *first);
-    for place in &places_m {
+    for place in places_m {
         least = least.inf(place);
         most = most.sup(place);
     }
@@ -179,8 +179,8 @@ fn area_of(dataset: &Dataset) -> Option<Area> {
         lat_deg: None,
         lon_deg: None,
     };
-    if let Some(frame) = dataset.frame() {
-        let plane = Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
+    if let Some(frame) = frame {
+        let plane = Stereographic::from(frame);
         let (south_deg, west_deg) = plane.unproject(&least);
         let (north_deg, east_deg) = plane.unproject(&most);
         area.lat_deg = Some([south_deg, north_deg]);

@@ -7,7 +7,7 @@ mod stereographic;
 mod tests;
 
 pub use slant::at_slant_range;
-pub use stereographic::Stereographic;
+pub use stereographic::{Stereographic, turned};
 
 use crate::model::space::{Frame, Place};
 

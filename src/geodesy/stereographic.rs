@@ -6,6 +6,7 @@
 //! isometric latitude instead of powers of tangents, which keeps them finite at the poles.
 
 use super::{E2, SEMI_MAJOR_M, wrap_longitude_deg};
+use crate::model::space::{Frame, Place};
 use crate::model::state::Position;
 
 /// A plane that touches the Earth at its origin; x is east there, y north. Angles are kept everywhere, lengths at the origin;
@@ -21,6 +22,19 @@ pub struct Stereographic {
     offset: f64,
     sin: f64,
     cos: f64,
+}
+
+impl From<Frame> for Stereographic {
+    fn from(frame: Frame) -> Self {
+        Stereographic::about(frame.latitude_deg(), frame.longitude_deg())
+    }
+}
+
+/// The vector, whose angle clockwise from one north is known, clockwise from another that is `turn_rad` behind it.
+pub fn turned(vector: &Place, turn_rad: f64) -> Place {
+    let (sin, cos) = turn_rad.sin_cos();
+    let (east, north) = (vector.x, vector.y);
+    Place::new(east * cos + north * sin, north * cos - east * sin, vector.z)
 }
 
 impl Stereographic {

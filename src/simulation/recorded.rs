@@ -44,7 +44,7 @@ pub(super) fn placed(
             vec![Fault::new("/targets", "missing", detail).allowing("`truth` beside `input`")]
         })?;
     if let Some(frame) = truth.frame {
-        let plane = Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
+        let plane = Stereographic::from(frame);
         for sensor in &mut scenario.sensors {
             if let (Some(lat_deg), Some(lon_deg)) = (sensor.lat_deg, sensor.lon_deg) {
                 let place_m = plane.project(lat_deg, lon_deg);

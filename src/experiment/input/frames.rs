@@ -1,7 +1,7 @@
 //! The data of a job in one plane: what was measured from another origin is measured from the first one's.
 
 use super::JobData;
-use crate::geodesy::Stereographic;
+use crate::geodesy::{Stereographic, turned};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording};
 use crate::model::space::{Frame, Place};
@@ -72,11 +72,9 @@ impl Move {
     /// `None` where the two are the same.
     fn between(from: Option<Frame>, to: Frame) -> Option<Move> {
         let from = from.filter(|from| *from != to)?;
-        let about =
-            |frame: Frame| Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
         Some(Move {
-            from: about(from),
-            to: about(to),
+            from: Stereographic::from(from),
+            to: Stereographic::from(to),
         })
     }
 
@@ -87,9 +85,7 @@ impl Move {
         if let Some(velocity) = velocity {
             let turn_rad =
                 self.to.turn_rad(lat_deg, lon_deg) - self.from.turn_rad(lat_deg, lon_deg);
-            let (sin, cos) = turn_rad.sin_cos();
-            let (east, north) = (velocity.x, velocity.y);
-            (velocity.x, velocity.y) = (east * cos + north * sin, north * cos - east * sin);
+            *velocity = turned(velocity, turn_rad);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::model::dataset::Dataset;
 use crate::model::truth::TruthSet;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 /// A job file for this dataset: detections are tracked, truth is seen by a simulated radar, tracks are judged.
 pub fn start_from(dataset: &Dataset, format: &str, path: &str) -> Value {
@@ -33,17 +33,18 @@ pub fn start_from(dataset: &Dataset, format: &str, path: &str) -> Value {
 
 /// Truth as a radar in its middle sees it.
 fn seen_by_radar(truth: &TruthSet, file: &Value) -> Value {
-    let sensor = match &truth.frame {
-        Some(frame) => json!({
-            "sensor_id": "radar", "lat_deg": frame.latitude_deg(), "lon_deg": frame.longitude_deg(),
-            "max_range_m": 100_000.0, "p_d": 0.9, "sigma_range_m": 50.0, "sigma_bearing_deg": 0.1,
-            "clutter_per_scan": 5.0,
-        }),
-        None => json!({
-            "sensor_id": "radar", "max_range_m": 100_000.0, "p_d": 0.9, "sigma_range_m": 50.0,
-            "sigma_bearing_deg": 0.1, "clutter_per_scan": 5.0,
-        }),
-    };
+    let mut sensor = Map::from_iter([
+        ("sensor_id".to_owned(), json!("radar")),
+        ("max_range_m".to_owned(), json!(100_000.0)),
+        ("p_d".to_owned(), json!(0.9)),
+        ("sigma_range_m".to_owned(), json!(50.0)),
+        ("sigma_bearing_deg".to_owned(), json!(0.1)),
+        ("clutter_per_scan".to_owned(), json!(5.0)),
+    ]);
+    if let Some(frame) = &truth.frame {
+        sensor.insert("lat_deg".to_owned(), json!(frame.latitude_deg()));
+        sensor.insert("lon_deg".to_owned(), json!(frame.longitude_deg()));
+    }
     json!({
         "kind": "evaluate", "truth": file,
         "input": {"source": "scenario", "scenario": {

@@ -3,6 +3,7 @@
 
 use crate::model::dataset::Dataset;
 use crate::model::space::{Place, Space};
+use crate::model::state::Position;
 use crate::model::time::TimeBase;
 
 /// In dry air of 20 °C.
@@ -20,13 +21,13 @@ struct Step {
     speed_mps: Option<f64>,
 }
 
-/// A sentence for each thing that seems wrong.
-pub fn of(dataset: &Dataset) -> Vec<String> {
+/// A sentence for each thing that seems wrong; `places_m` are all places of the set.
+pub fn of(dataset: &Dataset, places_m: &[Position]) -> Vec<String> {
     let steps = steps_of(dataset);
     let mut found = Vec::new();
     found.extend(unix_times(dataset));
     // Kilometres may look like degrees; what velocities say is surer.
-    let units = other_units(&steps).or_else(|| degrees(dataset, &steps));
+    let units = other_units(&steps).or_else(|| degrees(dataset, places_m, &steps));
     found.extend(units);
     found.extend(jumps(&steps));
     found.extend(missing_scans(dataset));
@@ -94,12 +95,11 @@ fn unix_times(dataset: &Dataset) -> Option<String> {
 }
 
 /// Columns of metres with degrees in them: all values are angles, and nothing moves as fast as a person walks.
-fn degrees(dataset: &Dataset, steps: &[Step]) -> Option<String> {
+fn degrees(dataset: &Dataset, places_m: &[Position], steps: &[Step]) -> Option<String> {
     if dataset.frame().is_some() || steps.is_empty() {
         return None;
     }
-    let places = super::places_of(dataset);
-    let are_angles = places
+    let are_angles = places_m
         .iter()
         .all(|place| place.x.abs() <= 180.0 && place.y.abs() <= 90.0);
     let moving = steps.iter().filter(|step| step.way_m > 0.0);

@@ -38,8 +38,7 @@ impl Ground {
             Some(frame) => Some(frame),
             None => choose_origin(feed, used, &sites)?,
         };
-        let plane =
-            frame.map(|frame| Stereographic::about(frame.latitude_deg(), frame.longitude_deg()));
+        let plane = frame.map(Stereographic::from);
         Ok(Ground {
             frame,
             plane,

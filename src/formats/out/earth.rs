@@ -54,7 +54,7 @@ impl Earth {
     pub fn about(frame: &Frame, space: Space) -> Earth {
         Earth {
             origin: Geodetic::from(frame),
-            plane: Stereographic::about(frame.latitude_deg(), frame.longitude_deg()),
+            plane: Stereographic::from(*frame),
             space,
         }
     }

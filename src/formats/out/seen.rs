@@ -79,9 +79,8 @@ pub fn truth_of<'a>(recording: &'a Recording, detection: &Detection) -> Option<&
 /// Of sensors whose place is known.
 fn sensor_places(recording: &Recording) -> Vec<Option<Position>> {
     let frame = recording.frame.as_ref();
-    let place = |frame: &Frame, lat_deg, lon_deg| {
-        Stereographic::about(frame.latitude_deg(), frame.longitude_deg()).project(lat_deg, lon_deg)
-    };
+    let place =
+        |frame: &Frame, lat_deg, lon_deg| Stereographic::from(*frame).project(lat_deg, lon_deg);
     recording
         .sensors
         .iter()

@@ -230,11 +230,7 @@ impl EstimateLayout {
 
     /// The plane whose places have a latitude and longitude.
     pub fn plane(&self) -> Option<Stereographic> {
-        let frame = self.frame?;
-        Some(Stereographic::about(
-            frame.latitude_deg(),
-            frame.longitude_deg(),
-        ))
+        self.frame.map(Stereographic::from)
     }
 
     /// The attributes that any object of a set has.

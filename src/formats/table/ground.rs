@@ -2,7 +2,7 @@
 
 use crate::formats::Reading;
 use crate::formats::feed::Middle;
-use crate::geodesy::{Stereographic, is_on_earth};
+use crate::geodesy::{Stereographic, is_on_earth, turned};
 use crate::model::fault::Fault;
 use crate::model::space::{Frame, Place};
 use crate::model::state::Position;
@@ -62,11 +62,6 @@ impl Ground {
             },
         }
     }
-
-    /// The plane of a frame.
-    pub fn plane(&self, frame: Option<Frame>) -> Option<Stereographic> {
-        frame.map(|frame| Stereographic::about(frame.latitude_deg(), frame.longitude_deg()))
-    }
 }
 
 /// The origin from which both places were measured, with as few decimals as fit; `None` where there is none.
@@ -105,9 +100,7 @@ pub fn settle(plane: &Stereographic, position: &mut Place, velocity: Option<&mut
     let place_m = plane.project(lat_deg, lon_deg);
     (position.x, position.y) = (place_m.x, place_m.y);
     if let Some(velocity) = velocity {
-        let (sin, cos) = plane.turn_rad(lat_deg, lon_deg).sin_cos();
-        let (east, north) = (velocity.x, velocity.y);
-        (velocity.x, velocity.y) = (east * cos + north * sin, north * cos - east * sin);
+        *velocity = turned(velocity, plane.turn_rad(lat_deg, lon_deg));
     }
 }
 

@@ -102,7 +102,7 @@ pub fn read(
     let frame = builder.ground.frame(table.reading)?;
     if let (true, Some(plane)) = (
         columns.estimate.is_geographic(),
-        builder.ground.plane(frame),
+        frame.map(Stereographic::from),
     ) {
         builder.settle(&plane);
     }

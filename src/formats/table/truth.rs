@@ -8,6 +8,7 @@ use super::interner::Interner;
 use super::row::RowReader;
 use super::{Repeats, Sink, Table};
 use crate::formats::disorder::Disorder;
+use crate::geodesy::Stereographic;
 use crate::model::attributes::Attributes;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
@@ -127,9 +128,8 @@ impl Builder {
     /// The targets in natural order of their names.
     fn finish(self, columns: &Columns, table: &Table) -> Result<TruthSet, Vec<Fault>> {
         let frame = self.ground.frame(table.reading)?;
-        let plane = self
-            .ground
-            .plane(frame)
+        let plane = frame
+            .map(Stereographic::from)
             .filter(|_| columns.estimate.is_geographic());
         let (names, place) = self.names.sorted();
         let empty = |truth_id| Target {

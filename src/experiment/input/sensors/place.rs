@@ -23,7 +23,7 @@ pub(super) fn in_plane(
             Fault::new("/lat_deg", "unsupported", detail).allowing("x_m, y_m"),
         ));
     };
-    let plane = Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
+    let plane = Stereographic::from(frame);
     let place_m = plane.project(lat_deg, lon_deg);
     Ok(SensorSettings {
         x_m: Some(place_m.x),

@@ -12,7 +12,6 @@ use crate::formats::feed::{Site, Spot};
 pub fn target(items: &Items) -> Target {
     let descriptor = items.get(20).unwrap_or_default();
     let kind = items.get(20).map(|item| octet(item, 0) >> 5);
-    let status = items.get(170).unwrap_or_default();
     let height = items.get(110).map(height_of_3d);
     Target {
         time: of_day(items, 140),
@@ -35,11 +34,7 @@ pub fn target(items: &Items) -> Target {
             octet(descriptor, 1) & 0x80 != 0,
             octet(descriptor, 0) & 0x02 != 0,
         ),
-        is_extrapolated: kind == Some(0),
-        is_tentative: octet(status, 0) & 0x80 != 0,
-        is_coasted: kind == Some(0),
-        ends: octet(status, 1) & 0x80 != 0,
-        ..of_transponder(items, height)
+        ..said_alike(items, kind, height)
     }
 }
 
@@ -47,7 +42,6 @@ pub fn target(items: &Items) -> Target {
 pub fn plot_or_track(items: &Items) -> Target {
     let descriptor = items.get(20).unwrap_or_default();
     let kind = items.get(20).map(|item| octet(item, 0) >> 4 & 3);
-    let status = items.get(170).unwrap_or_default();
     Target {
         time: items
             .get(141)
@@ -65,16 +59,13 @@ pub fn plot_or_track(items: &Items) -> Target {
             octet(descriptor, 1) & 0x80 != 0,
             octet(descriptor, 0) & 0x02 != 0,
         ),
-        is_extrapolated: kind == Some(0),
-        is_tentative: octet(status, 0) & 0x80 != 0,
-        is_coasted: kind == Some(0),
-        ends: octet(status, 1) & 0x80 != 0,
-        ..of_transponder(items, None)
+        ..said_alike(items, kind, None)
     }
 }
 
 /// What both say alike.
-fn of_transponder(items: &Items, height_of_radar_m: Option<f64>) -> Target {
+fn said_alike(items: &Items, kind: Option<u8>, height_of_radar_m: Option<f64>) -> Target {
+    let status = items.get(170).unwrap_or_default();
     let mode_c_ft = items.get(90).and_then(flight_level_ft);
     Target {
         source: source(items),
@@ -82,6 +73,10 @@ fn of_transponder(items: &Items, height_of_radar_m: Option<f64>) -> Target {
         mode_c_ft,
         mode_a: items.get(70).and_then(mode_a),
         motion: items.get(200).map(polar_motion),
+        is_extrapolated: kind == Some(0),
+        is_tentative: octet(status, 0) & 0x80 != 0,
+        is_coasted: kind == Some(0),
+        ends: octet(status, 1) & 0x80 != 0,
         ..Target::default()
     }
 }

@@ -6,6 +6,7 @@ use crate::formats::Reading;
 use crate::formats::disorder::Disorder;
 use crate::formats::table::interner::Interner;
 use crate::formats::table::row::RowReader;
+use crate::geodesy::Stereographic;
 use crate::model::beside::Beside;
 use crate::model::fault::Fault;
 use crate::model::names::natural_order;
@@ -272,7 +273,7 @@ fn assemble(
         origins_known: columns.truth.is_some(),
         ..RecordingParts::default()
     };
-    let plane = builder.ground.plane(frame);
+    let plane = frame.map(Stereographic::from);
     let (mut kept, mut has_own_times) = (Vec::with_capacity(builder.found.len()), false);
     for group in groups {
         let rows = order[group.rows.clone()].iter().copied();

@@ -17,9 +17,7 @@ pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     let mut columns = layout.columns();
     columns.extend(recording.beside.attributes.keys());
     sink.begin(&columns)?;
-    let frame = recording.frame;
-    let plane =
-        frame.map(|frame| Stereographic::about(frame.latitude_deg(), frame.longitude_deg()));
+    let plane = recording.frame.map(Stereographic::from);
     for (first, scan) in recording.scans_with_firsts() {
         if scan.detections.is_empty() {
             write_row(recording, scan, None, layout, sink)?;
