@@ -15,7 +15,6 @@ import { CampaignPage, leftRuns } from "./campaign-page";
 import { JobCorrelation } from "./job-correlation";
 import { JobMetrics } from "./job-metrics";
 import { type TabName, Tabs, Waiting } from "./job-parts";
-import { JobPictures } from "./job-pictures";
 import { hasTrace, JobSearch } from "./job-search";
 import { JobSpec } from "./job-spec";
 import { JobSummary, SCANLESS } from "./job-summary";
@@ -175,6 +174,7 @@ function tabsOf(report: Report): [TabName, string][] {
 function askAhead(job: Job): void {
   if (param("tab") === "spec") return;
   void import("../charts/echarts");
+  if (param("tab") === "plan") void import("./job-pictures");
   // Who draws it says what went wrong.
   const answer =
     param("tab") === "plan"
@@ -183,6 +183,13 @@ function askAhead(job: Job): void {
         ? getScanCounts(job.id)
         : undefined;
   answer?.catch(() => undefined);
+}
+
+/** Its code comes with the first job that is looked at: lists do without. */
+function Plan(props: { job: Job; report: Report }): JSX.Element {
+  const { data, error, reload } = useResource(() => import("./job-pictures"), []);
+  if (error) return <ProblemBox error={error} retry={reload} />;
+  return data ? <data.JobPictures {...props} /> : <Loading what="the plan" />;
 }
 
 function Result({ job }: { job: Job }): JSX.Element {
@@ -200,7 +207,7 @@ function Result({ job }: { job: Job }): JSX.Element {
       <Tabs tabs={tabs} chosen={tab} />
       {tab === "summary" ? <JobSummary job={job} report={report.data} /> : null}
       {tab === "correlation" ? <JobCorrelation job={job} report={report.data} /> : null}
-      {tab === "plan" ? <JobPictures job={job} report={report.data} /> : null}
+      {tab === "plan" ? <Plan job={job} report={report.data} /> : null}
       {tab === "verdicts" && tfa ? <JobVerdicts job={job} tfa={tfa} /> : null}
       {tab === "metrics" ? <JobMetrics job={job} report={report.data} /> : null}
       {tab === "search" ? <JobSearch job={job} report={report.data} /> : null}
