@@ -175,6 +175,8 @@ pub enum TargetPlan {
     Random(RandomTargets),
     /// Targets written out one by one.
     Listed { targets: Vec<ListedTarget> },
+    /// Targets that turn and accelerate, each with a course of its own.
+    Maneuvering { targets: Vec<ManeuveringTarget> },
     /// Targets of which only the direction is told.
     Bearings(BearingTargets),
     /// Targets in rows and columns that fly one random course.
@@ -195,6 +197,7 @@ impl TargetPlan {
         match self {
             TargetPlan::Random(plan) => plan.count as usize,
             TargetPlan::Listed { targets } => targets.len(),
+            TargetPlan::Maneuvering { targets } => targets.len(),
             TargetPlan::Bearings(plan) => 2 * plan.crossings.len() + plan.lines.len(),
             TargetPlan::Formation(plan) => plan.rows as usize * plan.columns as usize,
             // How many there are, the recording says.
@@ -236,6 +239,51 @@ pub struct ListedTarget {
     pub y_m: f64,
     pub vx_mps: f64,
     pub vy_mps: f64,
+}
+
+/// A target whose course is told leg by leg; after the last one it goes on straight.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ManeuveringTarget {
+    pub truth_id: String,
+    /// Where it is at its start, and how fast.
+    pub x_m: f64,
+    pub y_m: f64,
+    pub vx_mps: f64,
+    pub vy_mps: f64,
+    /// From then on it is there, and its first segment begins.
+    pub start_s: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub end_s: Option<f64>,
+    pub segments: Vec<Segment>,
+}
+
+/// A leg of a course.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "move", rename_all = "snake_case")]
+pub enum Segment {
+    Straight {
+        duration_s: f64,
+    },
+    /// On a circle, to the left where the rate is positive.
+    Turn {
+        duration_s: f64,
+        rate_degps: f64,
+    },
+    /// Along the heading at its beginning.
+    Accelerate {
+        duration_s: f64,
+        acceleration_mps2: f64,
+    },
+}
+
+impl Segment {
+    pub fn duration_s(&self) -> f64 {
+        match *self {
+            Segment::Straight { duration_s }
+            | Segment::Turn { duration_s, .. }
+            | Segment::Accelerate { duration_s, .. } => duration_s,
+        }
+    }
 }
 
 /// The targets of the crossings come first, named 1, 2, … in the order of the pairs.

@@ -1,6 +1,7 @@
 //! Plays a scenario: targets move, sensors detect them with noise, misses and clutter; true origins are known.
 
 mod bearing_time;
+mod course;
 mod coverage;
 mod echoes;
 mod local_tracks;
@@ -14,11 +15,12 @@ mod weaving;
 pub use bearing_time::{RECORD, SimulatedRecord, row_count, simulate_record};
 pub use local_tracks::{LOCAL_TRACKS, LocalTracks, SensorTracks, simulate_local_tracks};
 pub use sensors::settings as sensor_settings;
+pub use targets::fastest_mps;
 
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
-use crate::model::scenario::{BearingTargets, Scenario, TargetPlan};
+use crate::model::scenario::{BearingTargets, ManeuveringTarget, Scenario, TargetPlan};
 use crate::model::truth::TruthSet;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -68,6 +70,7 @@ pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
                 format!("/targets/targets/{index}/truth_id")
             }));
         }
+        TargetPlan::Maneuvering { targets } => faults.extend(maneuvering_faults(targets)),
         TargetPlan::Bearings(plan) => faults.extend(bearing_faults(plan)),
         TargetPlan::Formation(_) => {}
         TargetPlan::Recorded(_) => faults.extend(recorded::fault(scenario)),
@@ -165,6 +168,24 @@ pub fn simulate_recorded(
         played.describe(source, &mut simulated)?;
     }
     Ok(Some(simulated))
+}
+
+fn maneuvering_faults(targets: &[ManeuveringTarget]) -> Vec<Fault> {
+    let names = targets.iter().map(|target| target.truth_id.as_str());
+    let mut faults = duplicate_faults("targets", names, |index| {
+        format!("/targets/targets/{index}/truth_id")
+    });
+    for (index, target) in targets.iter().enumerate() {
+        if let Some(end_s) = target.end_s.filter(|end_s| *end_s <= target.start_s) {
+            let detail = format!("{end_s} s is not after start_s");
+            let pointer = format!("/targets/targets/{index}/end_s");
+            faults.push(
+                Fault::new(pointer, "out_of_range", detail)
+                    .allowing(format!("> {} s", target.start_s)),
+            );
+        }
+    }
+    faults
 }
 
 fn bearing_faults(plan: &BearingTargets) -> Vec<Fault> {

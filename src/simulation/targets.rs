@@ -1,12 +1,13 @@
 //! The paths of a scenario's targets: in the plane with constant velocity from time 0, listed, drawn at random or in formation,
 //! where they may weave; or bearings that follow a law.
 
+use super::course::Course;
 use super::spline::Spline;
 use super::weaving::Weave;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::scenario::{
-    BearingTargets, CrossingPair, FormationMotion, FormationTargets, ListedTarget, RandomTargets,
-    Scenario, TargetPlan,
+    BearingTargets, CrossingPair, FormationMotion, FormationTargets, ListedTarget,
+    ManeuveringTarget, RandomTargets, Scenario, TargetPlan,
 };
 use crate::model::state::Position;
 use crate::model::truth::{Target, TruthPoint};
@@ -39,6 +40,7 @@ enum Law {
         rate_degps: f64,
     },
     Recorded(Box<Spline>),
+    Maneuvering(Box<Course>),
 }
 
 impl Path {
@@ -59,6 +61,7 @@ impl Path {
                 rate_degps,
             } => at_bearing(time_s, bearing_deg + rate_degps * time_s),
             Law::Recorded(ref spline) => spline.point_at(time_s),
+            Law::Maneuvering(ref course) => course.point_at(time_s),
         }
     }
 
@@ -70,10 +73,11 @@ impl Path {
         }
     }
 
-    /// Whether there is a target at a time: only one that was recorded comes and goes.
+    /// Whether there is a target at a time: one that was recorded, or has a course of its own, comes and goes.
     pub fn exists_at(&self, time_s: f64) -> bool {
         match &self.law {
             Law::Recorded(spline) => spline.exists_at(time_s),
+            Law::Maneuvering(course) => course.exists_at(time_s),
             _ => true,
         }
     }
@@ -96,6 +100,7 @@ impl Path {
             Law::Weaving { course_mps, .. } => course_mps.norm(),
             Law::Crossing(_) | Law::Turning { .. } => 0.0,
             Law::Recorded(spline) => spline.fastest_mps(),
+            Law::Maneuvering(course) => course.fastest_mps(),
         }
     }
 }
@@ -130,6 +135,7 @@ pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
             .map(|index| random_path(plan, index, seed))
             .collect(),
         TargetPlan::Listed { targets } => targets.iter().map(listed_path).collect(),
+        TargetPlan::Maneuvering { targets } => targets.iter().map(maneuvering_path).collect(),
         TargetPlan::Bearings(plan) => bearing_paths(plan),
         TargetPlan::Formation(plan) => formation(plan, seed),
         // Those come from the recording.
@@ -181,6 +187,18 @@ fn listed_path(target: &ListedTarget) -> Path {
         truth_id: target.truth_id.clone(),
         law,
     }
+}
+
+fn maneuvering_path(target: &ManeuveringTarget) -> Path {
+    Path {
+        truth_id: target.truth_id.clone(),
+        law: Law::Maneuvering(Box::new(Course::of(target))),
+    }
+}
+
+/// The speed of the fastest leg of a target's course.
+pub fn fastest_mps(target: &ManeuveringTarget) -> f64 {
+    Course::of(target).fastest_mps()
 }
 
 fn random_path(plan: &RandomTargets, index: u32, seed: Seed) -> Path {

@@ -11,6 +11,7 @@ use super::track::ResolvedRecording;
 use crate::experiment::request::methods::TrackerSpec;
 use crate::filtering::AnyFilter;
 use crate::model::scenario::{Scenario, TargetPlan};
+use crate::simulation::fastest_mps;
 use crate::tracking::{Initiation, Lifecycle};
 use serde::Serialize;
 use serde_json::Value;
@@ -137,6 +138,14 @@ fn speeds_of_scenario(scenario: &Scenario) -> Option<Speeds> {
             (
                 squares().sum::<f64>() / targets.len().max(1) as f64,
                 squares().fold(0.0, f64::max).sqrt(),
+            )
+        }
+        TargetPlan::Maneuvering { targets } => {
+            let fastest_mps: Vec<f64> = targets.iter().map(fastest_mps).collect();
+            let squares: f64 = fastest_mps.iter().map(|speed_mps| speed_mps.powi(2)).sum();
+            (
+                squares / targets.len().max(1) as f64,
+                fastest_mps.iter().copied().fold(0.0, f64::max),
             )
         }
         TargetPlan::Formation(plan) => (plan.speed_mps.powi(2), plan.speed_mps),

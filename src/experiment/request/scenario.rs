@@ -5,7 +5,7 @@ use super::fields::{
     SIGMA_RATE, SPEED, VELOCITY,
 };
 use crate::registry::{
-    Kind, Object, Union, above, default, list, number, optional, required, variant, whole,
+    Field, Kind, Object, Union, above, default, list, number, optional, required, variant, whole,
 };
 
 static SCENARIO_SENSOR: Object = Object {
@@ -114,6 +114,92 @@ static LISTED_TARGETS: Object = Object {
             min: 1,
             max: MAX_TARGETS as usize,
         },
+    )],
+};
+
+static STRAIGHT: Object = Object {
+    name: "StraightSegment",
+    summary: "Straight on at constant speed.",
+    fields: &[DURATION],
+};
+
+static TURN: Object = Object {
+    name: "TurnSegment",
+    summary: "A circle at constant speed.",
+    fields: &[
+        DURATION,
+        required(
+            "rate_degps",
+            "Rate of the turn, positive to the left (counter-clockwise).",
+            number(-360.0, 360.0, "deg/s"),
+        ),
+    ],
+};
+
+static ACCELERATE: Object = Object {
+    name: "AccelerateSegment",
+    summary: "A constant acceleration along the heading.",
+    fields: &[
+        DURATION,
+        required(
+            "acceleration_mps2",
+            "Acceleration; negative to slow down, and below 0 m/s to go back.",
+            number(-1e4, 1e4, "m/s²"),
+        ),
+    ],
+};
+
+const DURATION: Field = required("duration_s", "How long it lasts.", above(0.0, 1e9, "s"));
+
+static SEGMENT: Union = Union {
+    name: "Segment",
+    summary: "A leg of a target's course.",
+    tag: "move",
+    variants: || {
+        vec![
+            variant("straight", &STRAIGHT),
+            variant("turn", &TURN),
+            variant("accelerate", &ACCELERATE),
+        ]
+    },
+};
+
+static MANEUVERING_TARGET: Object = Object {
+    name: "ManeuveringTarget",
+    summary: "A target that turns and accelerates; after its last segment it goes on straight.",
+    fields: &[
+        required("truth_id", "Name of the target.", NAME),
+        required("x_m", "Start, east.", PLACE),
+        required("y_m", "Start, north.", PLACE),
+        default("vx_mps", "Velocity at the start, east.", VELOCITY, "0.0"),
+        default("vy_mps", "Velocity at the start, north.", VELOCITY, "0.0"),
+        default(
+            "start_s",
+            "Time at which it appears and its first segment begins.",
+            number(0.0, 1e9, "s"),
+            "0.0",
+        ),
+        optional(
+            "end_s",
+            "Time at which it is seen last; it stays when absent.",
+            above(0.0, 1e9, "s"),
+        ),
+        default(
+            "segments",
+            "Its course, leg by leg.",
+            list(&Kind::Union(&SEGMENT), 0, 1000),
+            "[]",
+        ),
+    ],
+};
+
+static MANEUVERING_TARGETS: Object = Object {
+    name: "ManeuveringTargets",
+    summary: "Targets that turn and accelerate, each on a course of its own.",
+    fields: &[required(
+        "targets",
+        "The targets.",
+        list(&Kind::Object(&MANEUVERING_TARGET), 1, 10_000),
     )],
 };
 
@@ -274,6 +360,7 @@ static TARGET_PLAN: Union = Union {
         vec![
             variant("random", &RANDOM_TARGETS),
             variant("listed", &LISTED_TARGETS),
+            variant("maneuvering", &MANEUVERING_TARGETS),
             variant("formation", &FORMATION_TARGETS),
             variant("bearings", &BEARING_TARGETS),
             variant("recorded", &RECORDED_TARGETS),
