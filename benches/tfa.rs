@@ -236,6 +236,7 @@ fn point(scan: usize, first_candidate: u32, is_seen: bool) -> TrackPoint {
         estimate,
         nis: None,
         status,
+        mode_row: None,
         first_candidate,
         candidates: 1,
     }

@@ -6,7 +6,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use trackloom_domain::association::ASSOCIATORS;
-use trackloom_domain::filtering::AnyFilter;
+use trackloom_domain::filtering::{AnyFilter, FILTERS};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::{Recording, RecordingParts};
 use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
@@ -53,6 +53,9 @@ const COUNTED: usize = 100;
 /// buffer grows when a scan is the fullest so far.
 const MOST_ALLOCATIONS: u64 = 16;
 
+/// A piece of the history has one list more, of the probabilities of models.
+const MOST_ALLOCATIONS_OF_MODELS: u64 = 24;
+
 #[test]
 fn a_hundred_scans_of_any_size_cost_a_handful_of_allocations() {
     for side in [3, 10] {
@@ -63,12 +66,17 @@ fn a_hundred_scans_of_any_size_cost_a_handful_of_allocations() {
             .sum();
         assert!(detections > 100 * (side * side) as usize);
         for method in ASSOCIATORS {
-            let found = allocations(method.name, &scenario, &recording);
-            assert!(
-                found <= MOST_ALLOCATIONS,
-                "{}: {found} allocations for {detections} detections",
-                method.name
-            );
+            for (filter, most) in [
+                (AnyFilter::kalman(0.1), MOST_ALLOCATIONS),
+                (several_models(), MOST_ALLOCATIONS_OF_MODELS),
+            ] {
+                let found = allocations(filter, method.name, &scenario, &recording);
+                assert!(
+                    found <= most,
+                    "{}, {filter:?}: {found} allocations for {detections} detections",
+                    method.name
+                );
+            }
         }
     }
 }
@@ -129,9 +137,20 @@ fn with_amplitudes(recording: Recording) -> Recording {
     Recording::new(parts).unwrap()
 }
 
+/// Constant velocity beside constant acceleration.
+fn several_models() -> AnyFilter {
+    let models = json!([
+        {"model": "constant_velocity", "process_noise_m2ps3": 0.1},
+        {"model": "constant_acceleration"}
+    ]);
+    let imm = FILTERS.iter().find(|filter| filter.name == "imm").unwrap();
+    let checked = registry::check(&json!({"models": models}), imm.parameters).unwrap();
+    (imm.build)(&checked).unwrap()
+}
+
 /// Requests for memory in the last [`COUNTED`] scans.
-fn allocations(method: &str, scenario: &Scenario, recording: &Recording) -> u64 {
-    let mut tracker = (TRACKERS[0].build)(parts(method, scenario));
+fn allocations(filter: AnyFilter, method: &str, scenario: &Scenario, recording: &Recording) -> u64 {
+    let mut tracker = (TRACKERS[0].build)(parts(filter, method, scenario));
     let mut history = History::default();
     for scan in &recording.scans[..WARM_UP] {
         tracker.step(scan, &mut history, &Watch::never()).unwrap();
@@ -144,7 +163,7 @@ fn allocations(method: &str, scenario: &Scenario, recording: &Recording) -> u64 
     ALLOCATIONS.load(Ordering::Relaxed) - before
 }
 
-fn parts(method: &str, scenario: &Scenario) -> TrackerParts {
+fn parts(filter: AnyFilter, method: &str, scenario: &Scenario) -> TrackerParts {
     let associator = ASSOCIATORS
         .iter()
         .find(|entry| entry.name == method)
@@ -152,7 +171,7 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts {
     let defaults = registry::check(&json!({}), associator.parameters).unwrap();
     let sensor = &scenario.sensors[0];
     TrackerParts {
-        filter: AnyFilter::kalman(0.1),
+        filter,
         associator: (associator.build)(&defaults, Seed { seed: 1, run: 0 }).unwrap(),
         lifecycle: Lifecycle {
             gate_probability: 0.999,

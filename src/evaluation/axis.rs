@@ -226,6 +226,7 @@ mod tests {
             estimate,
             status: None,
             nis: None,
+            mode_row: None,
             first_candidate: 0,
             candidates: 0,
         }

@@ -17,6 +17,13 @@ pub struct Expected<const D: usize> {
     pub gaussian: Gaussian<D>,
 }
 
+impl<const D: usize> Expected<D> {
+    /// As a gate knows it: ẑ, S and what is made of S.
+    pub fn as_region(&self) -> (&SVector<f64, D>, &SMatrix<f64, D, D>, &Gaussian<D>) {
+        (&self.measurement, &self.covariance, &self.gaussian)
+    }
+}
+
 /// What makes a change of `N` state variables of an innovation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gain<const N: usize, const D: usize> {
@@ -31,6 +38,22 @@ impl<const N: usize, const D: usize> Gain<N, D> {
     #[inline(always)]
     pub fn change(&self, innovation: &SVector<f64, D>) -> SVector<f64, N> {
         self.gain * innovation
+    }
+
+    /// The same for a state of more variables, which the others do not touch.
+    #[inline(always)]
+    pub fn widened<const M: usize>(&self) -> Gain<M, D> {
+        let mut wide = Gain {
+            gain: SMatrix::zeros(),
+            cross: SMatrix::zeros(),
+        };
+        for column in 0..D {
+            for row in 0..N {
+                wide.gain[(row, column)] = self.gain[(row, column)];
+                wide.cross[(row, column)] = self.cross[(row, column)];
+            }
+        }
+        wide
     }
 
     /// K S Kᵀ.

@@ -71,7 +71,7 @@ where
         loss: &SMatrix<f64, N, N>,
         detections: &[Weighted<SVector<f64, N>>],
     ) {
-        mixture::update(belief, loss, detections);
+        mixture::update(belief, loss, detections.iter().copied());
     }
 
     fn begin(&self, kinematics: &GaussianState<K>) -> GaussianState<N> {

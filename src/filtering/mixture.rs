@@ -24,14 +24,14 @@ use nalgebra::{SMatrix, SVector};
 pub fn update<const N: usize>(
     state: &mut GaussianState<N>,
     loss: &SMatrix<f64, N, N>,
-    detections: &[Weighted<SVector<f64, N>>],
+    detections: impl ExactSizeIterator<Item = Weighted<SVector<f64, N>>> + Clone,
 ) {
-    if detections.is_empty() {
+    if detections.len() == 0 {
         return;
     }
     let mut shift = SVector::<f64, N>::zeros();
     let mut detected = 0.0;
-    for detection in detections {
+    for detection in detections.clone() {
         shift += detection.change * detection.weight;
         detected += detection.weight;
     }
@@ -45,7 +45,7 @@ pub fn update<const N: usize>(
 
 /// Σ βⱼ K νⱼ (K νⱼ)ᵀ − K ν (K ν)ᵀ: what is not known because it is not known which detection was the right one.
 fn spread<const N: usize>(
-    detections: &[Weighted<SVector<f64, N>>],
+    detections: impl Iterator<Item = Weighted<SVector<f64, N>>>,
     shift: &SVector<f64, N>,
 ) -> SMatrix<f64, N, N> {
     let mut second_moment = -(shift * shift.transpose());

@@ -9,6 +9,7 @@ use crate::model::state::GaussianState;
 use crate::registry::{Field, Kind, Method, Object, Union, default, number, optional, variant};
 use bearing_only::BearingOnly;
 use gaussian::GaussianFilter;
+use imm::Models;
 use motions::{AnyMotion, MOTION_KIND, MotionSpec};
 use nalgebra::SVector;
 use serde::Deserialize;
@@ -18,6 +19,7 @@ pub mod converted;
 pub mod expected;
 pub mod extended;
 pub mod gaussian;
+pub mod imm;
 pub mod kalman;
 mod mixture;
 pub mod motions;
@@ -55,6 +57,17 @@ pub trait Filter<const K: usize>: Copy + Send + 'static {
 
     fn kinematics(belief: &Self::Belief) -> GaussianState<K>;
 
+    /// How probable each of several models of motion is; of a single one nothing is told.
+    fn mode_probabilities(_belief: &Self::Belief) -> &[f64] {
+        &[]
+    }
+
+    /// The normalised innovation squared of a detection at this squared distance.
+    #[inline(always)]
+    fn fit(_change: &Self::Change, squared_distance: f64) -> f64 {
+        squared_distance
+    }
+
     /// Appends all numbers of a belief.
     fn pack(belief: &Self::Belief, packed: &mut Vec<f64>);
 
@@ -74,6 +87,8 @@ pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
     type Gain;
     /// The value that is an angle, if there is one.
     const ANGLE: Option<usize>;
+    /// Whether reports are expected in several regions, [`Corrector::regions`], instead of the one around what is expected.
+    const HAS_REGIONS: bool = false;
 
     /// A report as a point of the measurement space; `None` for one of another kind.
     fn read(&self, report: &Measurement) -> Option<SVector<f64, D>>;
@@ -81,7 +96,26 @@ pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
     /// What should be reported of a target. `None` when S is not positive definite.
     fn expect(&self, belief: &F::Belief) -> Option<(Expected<D>, Self::Gain)>;
 
+    /// Where reports are expected.
+    fn regions(_gain: &Self::Gain) -> &[Expected<D>] {
+        &[]
+    }
+
     fn change(gain: &Self::Gain, innovation: &SVector<f64, D>) -> F::Change;
+
+    /// The same, and ln of the density of reports there.
+    #[inline(always)]
+    fn assess(
+        gain: &Self::Gain,
+        expected: &Expected<D>,
+        innovation: &SVector<f64, D>,
+        squared_distance: f64,
+    ) -> (F::Change, f64) {
+        (
+            Self::change(gain, innovation),
+            expected.gaussian.log_density(squared_distance),
+        )
+    }
 
     fn loss(gain: &Self::Gain) -> F::Loss;
 
@@ -107,11 +141,18 @@ pub struct Weighted<C> {
 }
 
 /// A filter that was chosen by name.
+#[expect(clippy::large_enum_variant, reason = "a tracker has one")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AnyFilter {
     /// Of places.
     Plane {
         motion: AnyMotion,
+        way: Way,
+        reports: Reports,
+    },
+    /// Of places, by one of several motions at a time.
+    Interacting {
+        models: Models,
         way: Way,
         reports: Reports,
     },
@@ -139,18 +180,38 @@ pub trait WithFilter {
 
 impl AnyFilter {
     pub fn with<W: WithFilter>(&self, work: W) -> W::Output {
-        match *self {
-            AnyFilter::Plane {
-                motion: AnyMotion::ConstantVelocity(motion),
+        let (motion, way, reports) = match *self {
+            AnyFilter::Bearing(filter) => return work.of_bearings(filter.build()),
+            AnyFilter::Interacting {
+                models,
                 way,
                 reports,
-            } => work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports)),
+            } => return models.with(way, reports, work),
             AnyFilter::Plane {
-                motion: AnyMotion::ConstantAcceleration(motion),
+                motion,
                 way,
                 reports,
-            } => work.in_plane(GaussianFilter::<_, 6, 4>::new(motion, way, reports)),
-            AnyFilter::Bearing(filter) => work.of_bearings(filter.build()),
+            } => (motion, way, reports),
+        };
+        match motion {
+            AnyMotion::ConstantVelocity(motion) => {
+                work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports))
+            }
+            AnyMotion::ConstantAcceleration(motion) => {
+                work.in_plane(GaussianFilter::<_, 6, 4>::new(motion, way, reports))
+            }
+            AnyMotion::CoordinatedTurn(motion) => {
+                work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports))
+            }
+            AnyMotion::UnknownTurn(motion) => {
+                work.in_plane(GaussianFilter::<_, 5, 4>::new(motion, way, reports))
+            }
+            AnyMotion::Singer(motion) => {
+                work.in_plane(GaussianFilter::<_, 6, 4>::new(motion, way, reports))
+            }
+            AnyMotion::OrnsteinUhlenbeck(motion) => {
+                work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports))
+            }
         }
     }
 
@@ -167,13 +228,19 @@ impl AnyFilter {
 
     /// Whether the kinematics of a target say all that the filter believes of it.
     pub fn is_known_by_kinematics(&self) -> bool {
-        !matches!(
-            self,
-            AnyFilter::Plane {
-                motion: AnyMotion::ConstantAcceleration(_),
-                ..
-            }
-        )
+        match self {
+            AnyFilter::Plane { motion, .. } => !motion.has_more_than_kinematics(),
+            AnyFilter::Interacting { .. } => false,
+            AnyFilter::Bearing(_) => true,
+        }
+    }
+
+    /// Where there are several.
+    pub fn models(&self) -> Option<&Models> {
+        match self {
+            AnyFilter::Interacting { models, .. } => Some(models),
+            AnyFilter::Plane { .. } | AnyFilter::Bearing(_) => None,
+        }
     }
 
     pub fn uses_ranges(&self) -> bool {
@@ -188,13 +255,15 @@ impl AnyFilter {
     pub fn space(&self) -> Space {
         match self {
             AnyFilter::Bearing(_) => Space::Bearing,
-            AnyFilter::Plane { .. } => Space::Plane,
+            AnyFilter::Plane { .. } | AnyFilter::Interacting { .. } => Space::Plane,
         }
     }
 
     fn uses(&self, any_of: &[Reports]) -> bool {
         match self {
-            AnyFilter::Plane { reports, .. } => any_of.contains(reports),
+            AnyFilter::Plane { reports, .. } | AnyFilter::Interacting { reports, .. } => {
+                any_of.contains(reports)
+            }
             AnyFilter::Bearing(_) => false,
         }
     }
@@ -209,6 +278,7 @@ pub const FILTERS: &[FilterMethod] = &[
     extended::METHOD,
     unscented::METHOD,
     converted::METHOD,
+    imm::METHOD,
     bearing_only::METHOD,
 ];
 
@@ -238,7 +308,7 @@ pub static FILTER_KIND: Kind = Kind::Union(&FILTER);
 
 const PROCESS_NOISE: Field = default(
     "process_noise_m2ps3",
-    "Spectral density q of the white-noise acceleration; the velocity wanders by about sqrt(q·T) in T seconds.",
+    "Spectral density q of the white-noise acceleration; the velocity wanders by about sqrt(q·T) in T seconds. An acceleration that is piecewise constant over scans of T s with sigma_a is about q = sigma_a²·T; sigma_a lies between half of and the whole largest acceleration.",
     number(0.0, 1e9, "m²/s³"),
     "1.0",
 );

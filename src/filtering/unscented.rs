@@ -72,6 +72,17 @@ pub struct Unscented {
     pub kappa: f64,
 }
 
+/// Points of equal weight besides the centre; no weight is negative.
+impl Default for Unscented {
+    fn default() -> Self {
+        Unscented {
+            alpha: 1.0,
+            beta: 2.0,
+            kappa: 0.0,
+        }
+    }
+}
+
 impl Unscented {
     pub(super) fn expect<S: Sensing<K, D>, const N: usize, const K: usize, const D: usize>(
         &self,

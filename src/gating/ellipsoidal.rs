@@ -78,7 +78,53 @@ impl EllipsoidalGate {
             }
         });
     }
+
+    /// Calls `found(detection, z)` once for each measurement inside the gate of any of the regions, each a ẑ with its S.
+    #[inline]
+    pub fn candidates_of_any<'r, const D: usize>(
+        &self,
+        (grid, placed): (&Grid, &[[f64; D]]),
+        angle: Option<usize>,
+        regions: impl Iterator<Item = Region<'r, D>> + Clone,
+        mut found: impl FnMut(u32, SVector<f64, D>),
+    ) {
+        let Some((first, _, _)) = regions.clone().next() else {
+            return;
+        };
+        let threshold = self.thresholds[D - 1];
+        let (mut centre, mut half) = (*first, [0.0; 2]);
+        for (axis, half) in half.iter_mut().enumerate().take(D) {
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (place, covariance, _) in regions.clone() {
+                let offset = angle::difference(place, first, angle)[axis];
+                let reach = (threshold * covariance[(axis, axis)]).sqrt();
+                (low, high) = (low.min(offset - reach), high.max(offset + reach));
+            }
+            *half = (high - low) / 2.0;
+            if half.is_finite() {
+                centre[axis] += (low + high) / 2.0;
+            }
+        }
+        if let Some(axis) = angle {
+            centre[axis] = angle::wrap(centre[axis]);
+        }
+        grid.near_places(&centre, half, angle, |places, detections| {
+            for (near, &detection) in placed[places].iter().zip(detections) {
+                let point = SVector::from(*near);
+                let is_inside = |(centre, _, gaussian): Region<D>| {
+                    let innovation = angle::difference(&point, centre, angle);
+                    gaussian.squared_distance(&innovation) <= threshold
+                };
+                if regions.clone().any(is_inside) {
+                    found(detection, point);
+                }
+            }
+        });
+    }
 }
+
+/// ẑ, S, and what is made of S.
+type Region<'r, const D: usize> = (&'r SVector<f64, D>, &'r SMatrix<f64, D, D>, &'r Gaussian<D>);
 
 #[cfg(test)]
 mod tests {
@@ -145,6 +191,37 @@ mod tests {
             let inside = |index: &u32| gaussian.squared_distance(&(positions[*index as usize] - centre)) <= -2.0 * 0.01f64.ln() + 1e-12;
             let brute: Vec<u32> = (0..positions.len() as u32).filter(inside).collect();
             prop_assert_eq!(gated, brute);
+        }
+
+        #[test]
+        fn the_gates_of_several_regions_are_those_of_each_together(
+            reports in prop::collection::vec((0.0..100.0f64, -PI..PI), 0..80),
+            regions in prop::collection::vec((0.0..120.0f64, -PI..PI, 0.1..20.0f64, 0.01..1.0f64), 1..4),
+            goes_round in any::<bool>(),
+        ) {
+            let reports: Vec<Vector2<f64>> = reports.iter().map(|&(range, bearing)| Vector2::new(range, bearing)).collect();
+            let angle = goes_round.then_some(1);
+            let (mut regions_of, mut alone) = (Vec::new(), std::collections::BTreeSet::new());
+            for (range, bearing, range_sigma, bearing_sigma) in regions {
+                let (centre, covariance) = (Vector2::new(range, bearing), Matrix2::new(range_sigma.powi(2), 0.0, 0.0, bearing_sigma.powi(2)));
+                alone.extend(gated(&reports, (centre, angle), covariance, 0.99));
+                regions_of.push((centre, covariance, Gaussian::new(&covariance).unwrap()));
+            }
+            let rows: Vec<[f64; 2]> = reports.iter().map(|row| row.data.0[0]).collect();
+            let (mut grid, mut placed, mut found) = (Grid::default(), Vec::new(), Vec::new());
+            grid.rebuild(&rows);
+            grid.arrange(&rows, &mut placed);
+            EllipsoidalGate::new(0.99).candidates_of_any(
+                (&grid, placed.as_chunks().0),
+                angle,
+                regions_of.iter().map(|(centre, covariance, gaussian)| (centre, covariance, gaussian)),
+                |detection, point| {
+                    assert_eq!(point, reports[detection as usize]);
+                    found.push(detection);
+                },
+            );
+            found.sort_unstable();
+            prop_assert_eq!(found, alone.into_iter().collect::<Vec<u32>>());
         }
 
         #[test]

@@ -1,6 +1,6 @@
 //! The detections of one scan as hypotheses look at them: as points of a measurement space, in a grid, used or not.
 
-use crate::filtering::Expected;
+use crate::filtering::{Corrector, Expected, Filter};
 use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::gating::grid::Grid;
 use crate::model::angle;
@@ -61,18 +61,30 @@ impl Detections {
         }
     }
 
-    /// Calls `found(detection, ν, d²)` for each unused detection inside the gate.
+    /// Calls `found(detection, ν, d²)` for each unused detection inside the gate; where reports are expected in several regions,
+    /// inside the gate of any.
     #[inline]
-    pub fn inside<const D: usize>(
+    pub fn inside<C: Corrector<F, K, D>, F: Filter<K>, const K: usize, const D: usize>(
         &self,
         gate: &EllipsoidalGate,
-        expected: &Expected<D>,
-        angle: Option<usize>,
+        (expected, gain): (&Expected<D>, &C::Gain),
         mut found: impl FnMut(u32, SVector<f64, D>, f64),
     ) {
+        let placed = (&self.grid, self.placed.as_chunks().0);
+        if C::HAS_REGIONS {
+            let regions = C::regions(gain).iter().map(Expected::as_region);
+            gate.candidates_of_any(placed, C::ANGLE, regions, |detection, point| {
+                if !self.used[detection as usize] {
+                    let innovation = angle::difference(&point, &expected.measurement, C::ANGLE);
+                    let squared = expected.gaussian.squared_distance(&innovation);
+                    found(detection, innovation, squared);
+                }
+            });
+            return;
+        }
         gate.candidates(
-            (&self.grid, self.placed.as_chunks().0),
-            (&expected.measurement, angle),
+            placed,
+            (&expected.measurement, C::ANGLE),
             (&expected.covariance, &expected.gaussian),
             |detection, innovation, squared| {
                 if !self.used[detection as usize] {

@@ -164,6 +164,13 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         }
     }
 
+    /// The normalised innovation squared of a detection that an edge gives to its track.
+    #[inline]
+    pub fn fit(&self, edge: usize) -> f64 {
+        let squared_distance = self.problem.edges()[edge].squared_distance;
+        F::fit(&self.changes[edge], squared_distance)
+    }
+
     #[inline]
     pub fn loss(&self, row: usize) -> &F::Loss {
         &self.rows[row].1
@@ -199,11 +206,12 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         let log_density = constants.log_density - log_scale;
         let (problem, changes) = (&mut self.problem, &mut self.changes);
         let mut found = |detection, innovation, squared_distance| {
-            changes.push(C::change(gain, &innovation));
+            let (change, log_there) = C::assess(gain, expected, &innovation, squared_distance);
+            changes.push(change);
             problem.push_edge(Edge {
                 detection,
                 squared_distance,
-                log_likelihood: log_density + expected.gaussian.log_density(squared_distance),
+                log_likelihood: log_density + log_there,
             });
         };
         let (detections, gate) = (&self.detections, &self.gate);
@@ -212,10 +220,9 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             Needs::OriginsInGates => {
                 let own = detections.own(origin);
                 detections.of_target(origin, expected, C::ANGLE, &mut found);
-                detections.inside(
+                detections.inside::<C, F, K, D>(
                     gate,
-                    expected,
-                    C::ANGLE,
+                    (expected, gain),
                     |detection, innovation, squared| {
                         if Some(detection) != own {
                             found(detection, innovation, squared);
@@ -224,7 +231,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
                 );
                 self.problem.push_own(own);
             }
-            _ => detections.inside(gate, expected, C::ANGLE, found),
+            _ => detections.inside::<C, F, K, D>(gate, (expected, gain), found),
         }
         if self.needs == Needs::Places {
             self.problem.push_place(

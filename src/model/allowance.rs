@@ -4,7 +4,7 @@
 
 use super::fault::Fault;
 
-/// Candidates of all tracks in one scan, about 150 bytes each while they are decided.
+/// Candidates of all tracks in one scan, about 150 bytes each while they are decided, up to 500 by six motion models.
 pub const MAX_CANDIDATES_OF_SCAN: usize = 4_000_000;
 
 /// Candidates that a tracker remembers of all its scans, beyond the first of each track and scan: 16 bytes each, and a row of

@@ -11,6 +11,7 @@ pub mod boxes;
 pub mod dataset;
 pub mod facts;
 pub mod fault;
+pub mod modes;
 pub mod motion;
 pub mod names;
 pub mod scan;

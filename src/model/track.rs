@@ -2,6 +2,7 @@
 
 use super::attributes::Attributes;
 use super::fault::Fault;
+use super::modes::{ModeRow, ModeTable};
 use super::scan::check_known;
 use super::space::{Frame, Place, Space};
 use super::state::{Covariance, Packed, Position, State, from_upper_triangle, upper_triangle};
@@ -130,6 +131,8 @@ pub struct TrackPoint {
     /// Normalised innovation squared of the update at this scan, the mean over its detections by their weights; `None` where
     /// there was no detection, or one that started the track.
     pub nis: Option<f64>,
+    /// Of [`TrackSet::modes`]: how probable each motion model was, where the tracker had several.
+    pub mode_row: Option<ModeRow>,
     pub first_candidate: u32,
     pub candidates: u32,
 }
@@ -150,6 +153,7 @@ pub struct TrackSet {
     pub tracks: Vec<Track>,
     pub attributes: Attributes,
     pub candidates: Vec<Candidate>,
+    pub modes: ModeTable,
     /// Names of the detections that candidates refer to.
     pub detection_ids: Vec<String>,
     pub sensor_ids: Vec<String>,
@@ -195,6 +199,12 @@ impl TrackSet {
             }
         }
         self
+    }
+
+    /// How probable each motion model was at one point; nothing where that is not told.
+    pub fn modes_of(&self, point: &TrackPoint) -> &[f64] {
+        let row = point.mode_row.and_then(|row| self.modes.row(row));
+        row.unwrap_or_default()
     }
 
     /// The candidates of one point.

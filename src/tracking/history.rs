@@ -3,6 +3,7 @@
 use super::recorder::{RecordedPoint, Recorder};
 use crate::hypotheses::bounds;
 use crate::model::attributes::Attributes;
+use crate::model::modes::ModeTable;
 use crate::model::scan::{Recording, Scan};
 use crate::model::space::Space;
 use crate::model::track::{Candidate, Kinematics, Track, TrackPoint, TrackSet, TrackStatus};
@@ -30,6 +31,8 @@ const SMALLEST_PIECE: usize = 1 << 8;
 struct Piece {
     entries: Vec<Entry>,
     kinematics: Vec<f64>,
+    /// Probabilities of the motion models, as many for each entry.
+    modes: Vec<f64>,
 }
 
 /// Everything a tracker did.
@@ -58,10 +61,11 @@ impl Recorder for History {
         self.candidates.extend_from_slice(point.candidates);
         let has_room = |piece: &Piece| piece.entries.len() < piece.entries.capacity();
         if !self.pieces.last().is_some_and(has_room) {
-            self.start_piece(point.kinematics.len());
+            self.start_piece(point);
         }
         if let Some(piece) = self.pieces.last_mut() {
             piece.kinematics.extend_from_slice(point.kinematics);
+            piece.modes.extend_from_slice(point.modes);
             piece.entries.push(Entry {
                 serial: point.serial,
                 scan: point.scan_index,
@@ -90,12 +94,13 @@ impl History {
 
     /// Each piece is as long as all before it together, up to a limit.
     #[cold]
-    fn start_piece(&mut self, values: usize) {
+    fn start_piece(&mut self, first: &RecordedPoint) {
         let before: usize = self.pieces.iter().map(|piece| piece.entries.len()).sum();
         let length = before.clamp(SMALLEST_PIECE, LARGEST_PIECE);
         self.pieces.push(Piece {
             entries: Vec::with_capacity(length),
-            kinematics: Vec::with_capacity(length * values),
+            kinematics: Vec::with_capacity(length * first.kinematics.len()),
+            modes: Vec::with_capacity(length * first.modes.len()),
         });
     }
 
@@ -119,12 +124,14 @@ impl History {
         let firsts = recording.scans_with_firsts().map(|(first, _)| first as u32);
         let firsts: Vec<u32> = firsts.collect();
         let mut first_candidate = 0;
-        let mut space = Space::default();
+        let (mut space, mut table) = (Space::default(), ModeTable::default());
         // Each piece goes when it is read: the history of a large scene and its tracks need not be there together.
         for piece in self.pieces {
             let values = piece.kinematics.len() / piece.entries.len();
             let of_piece = Space::of_packed(values);
-            for (entry, kinematics) in piece.entries.iter().zip(piece.kinematics.chunks(values)) {
+            let modes = piece.modes.len() / piece.entries.len();
+            let values = piece.entries.iter().zip(piece.kinematics.chunks(values));
+            for (index, (entry, kinematics)) in values.enumerate() {
                 let candidates = first_candidate..first_candidate + entry.candidates as usize;
                 let first = firsts[entry.scan as usize];
                 for candidate in &mut self.candidates[candidates.clone()] {
@@ -133,9 +140,9 @@ impl History {
                 if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
                     space = of_piece;
                     let estimate = Kinematics::unpack(space, kinematics);
-                    track
-                        .points
-                        .push(point(entry, first_candidate, estimate, recording));
+                    let point = point(entry, first_candidate, estimate, recording);
+                    let mode_row = table.push(&piece.modes[index * modes..][..modes]);
+                    track.points.push(TrackPoint { mode_row, ..point });
                 }
                 first_candidate = candidates.end;
             }
@@ -147,6 +154,7 @@ impl History {
             tracks,
             attributes: Attributes::new(),
             candidates: self.candidates,
+            modes: table,
             detection_ids: recording.detection_ids.clone(),
             sensor_ids: recording
                 .sensors
@@ -171,6 +179,7 @@ fn point(
         estimate,
         status: Some(entry.status),
         nis: Some(entry.nis).filter(|nis| !nis.is_nan()),
+        mode_row: None,
         first_candidate: first_candidate as u32,
         candidates: entry.candidates,
     }

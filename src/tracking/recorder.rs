@@ -39,6 +39,8 @@ pub struct RecordedPoint<'a> {
     pub kinematics: &'a [f64],
     /// Normalised innovation squared, where a detection updated the track.
     pub nis: Option<f64>,
+    /// How probable each model of motion is, where the filter has several.
+    pub modes: &'a [f64],
     /// What may have continued the track; each names its detection by its index in the scan.
     pub candidates: &'a [Candidate],
 }

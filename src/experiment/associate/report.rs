@@ -3,6 +3,9 @@
 use super::speeds::Taken;
 use super::track::Tracked;
 use crate::experiment::input::DetectionResult;
+use crate::filtering::imm::Models;
+use crate::filtering::imm::settings::Model;
+use crate::model::modes::MAX_MODES;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::{Track, TrackPoint, TrackSet};
@@ -27,6 +30,10 @@ pub struct Association {
     method: &'static str,
     counts: Counts,
     nis: NisReport,
+    /// Of a filter of several motion models, in the order of the request.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    models: Option<Vec<ModelLine>>,
     sensors: Vec<SensorSettings>,
     /// Tracks that were confirmed.
     tracks: Vec<TrackLine>,
@@ -38,6 +45,17 @@ pub struct Association {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     taken: Option<Taken>,
+}
+
+/// A motion model with what was taken where the request left it open, and how probable it was.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = MotionModelLine))]
+struct ModelLine {
+    model: &'static str,
+    sojourn_s: f64,
+    initial_probability: f64,
+    /// Over all track points; `null` without any.
+    mean_probability: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -95,11 +113,33 @@ pub fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSetting
             associated_detections: lines.iter().map(|line| line.detections).sum(),
         },
         nis: tracked.nis,
+        models: tracked
+            .models
+            .as_ref()
+            .map(|models| model_lines(set, models)),
         sensors: sensors.to_vec(),
         tracks: lines,
         diagnostics: tracked.diagnostics.clone(),
         taken: (!tracked.taken.is_empty()).then(|| tracked.taken.clone()),
     }
+}
+
+fn model_lines(set: &TrackSet, models: &Models) -> Vec<ModelLine> {
+    let (mut sums, mut points) = ([0.0; MAX_MODES], 0u64);
+    for point in set.tracks.iter().flat_map(|track| &track.points) {
+        points += 1;
+        for (sum, probability) in sums.iter_mut().zip(set.modes_of(point)) {
+            *sum += probability;
+        }
+    }
+    let initial = models.initial_probabilities();
+    let line = |((model, initial_probability), sum): ((&Model, f64), f64)| ModelLine {
+        model: model.motion.name(),
+        sojourn_s: model.sojourn_s,
+        initial_probability,
+        mean_probability: (points > 0).then(|| sum / points as f64),
+    };
+    models.iter().zip(initial).zip(sums).map(line).collect()
 }
 
 fn line(set: &TrackSet, track: &Track) -> TrackLine {

@@ -13,6 +13,7 @@ use crate::experiment::observer::{Observer, Step};
 use crate::experiment::request::methods::Choice;
 use crate::experiment::request::sources::InputSpec;
 use crate::filtering::AnyFilter;
+use crate::filtering::imm::Models;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
@@ -32,6 +33,8 @@ pub struct Tracked {
     pub scans: Vec<ScanOutcome>,
     pub method: &'static str,
     pub nis: NisReport,
+    /// Where the filter has several motion models.
+    pub models: Option<Models>,
     /// What the associator says of its work.
     pub diagnostics: Option<Value>,
     /// How long the associator took, where that was asked for.
@@ -220,6 +223,7 @@ impl<'a> TrackerRun<'a> {
             scans,
             method,
             nis,
+            models: filter.models().copied(),
             diagnostics,
             association_time,
             trace,

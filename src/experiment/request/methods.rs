@@ -142,6 +142,7 @@ impl<'de> Deserialize<'de> for NamedFilter {
 }
 
 /// The filter that a request asks for.
+#[expect(clippy::large_enum_variant, reason = "a request has one")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FilterChoice {
     /// The one that suits what is reported.

@@ -7,6 +7,7 @@ use crate::formats::ReadOptions;
 use crate::model::attributes::{ATTRIBUTES, attribute_named};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
+use crate::model::modes::MAX_MODES;
 use std::collections::BTreeMap;
 use told::{listed, warnings};
 
@@ -82,6 +83,10 @@ const TRUE_BEARINGS: Schema = Schema {
     together: &[],
 };
 
+/// How probable each motion model was.
+pub const MODE_COLUMNS: [&str; MAX_MODES] =
+    ["mode_1", "mode_2", "mode_3", "mode_4", "mode_5", "mode_6"];
+
 const TRACKS: Schema = Schema {
     required: &["time_s", "track_id", "x_m", "y_m"],
     optional: &[
@@ -102,6 +107,12 @@ const TRACKS: Schema = Schema {
         "probability",
         "status",
         "nis",
+        "mode_1",
+        "mode_2",
+        "mode_3",
+        "mode_4",
+        "mode_5",
+        "mode_6",
     ],
     unused: &["z_m", "bearing_deg", "bearing_rate_degps", "existence"],
     together: &[&VELOCITY, &COVARIANCE],
@@ -139,6 +150,12 @@ const TRACKS_IN_VOLUME: Schema = Schema {
         "probability",
         "status",
         "nis",
+        "mode_1",
+        "mode_2",
+        "mode_3",
+        "mode_4",
+        "mode_5",
+        "mode_6",
     ],
     unused: &["bearing_deg", "bearing_rate_degps", "existence"],
     together: &[&VOLUME_VELOCITY, &VOLUME_COVARIANCE],

@@ -8,7 +8,7 @@ pub use write::write;
 
 use super::estimate::EstimateColumns;
 use super::ground::{self, Ground};
-use super::header::Header;
+use super::header::{Header, MODE_COLUMNS};
 use super::interner::Interner;
 use super::row::RowReader;
 use super::{Repeats, Table};
@@ -17,6 +17,7 @@ use crate::geodesy::Stereographic;
 use crate::model::attributes::Attributes;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
+use crate::model::modes::ModeTable;
 use crate::model::space::Space;
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 use std::collections::{BTreeSet, HashMap};
@@ -31,6 +32,8 @@ struct Columns {
     probability: Option<usize>,
     status: Option<usize>,
     nis: Option<usize>,
+    /// As many as there are without a gap.
+    modes: Vec<usize>,
     attributes: Vec<(&'static str, usize)>,
 }
 
@@ -45,6 +48,10 @@ impl Columns {
             probability: header.find("probability"),
             status: header.find("status"),
             nis: header.find("nis"),
+            modes: MODE_COLUMNS
+                .iter()
+                .map_while(|name| header.find(name))
+                .collect(),
             attributes: header.attributes(),
         }
     }
@@ -70,6 +77,7 @@ struct Builder {
     /// Where each track goes in the natural order of names, once that is known.
     track_places: Vec<u32>,
     candidates: Vec<CandidateRow>,
+    modes: ModeTable,
     repeats: Repeats,
     ground: Ground,
     disorder: Disorder,
@@ -118,6 +126,7 @@ impl Builder {
             reader.check_name(column);
         }
         let point = read_point(reader, columns);
+        let modes = read_modes(reader, columns);
         let probability = read_probability(reader, columns);
         if reader.text(columns.track).is_empty() {
             return;
@@ -130,7 +139,8 @@ impl Builder {
             .estimate
             .note_earth(&point.estimate.position, reader, &mut self.ground);
         reader.note_attributes(columns.track, &columns.attributes, &mut self.attributes);
-        let point = self.place(reader, columns, track, TrackPoint { sensor, ..point });
+        let point = TrackPoint { sensor, ..point };
+        let point = self.place(reader, columns, track, point, &modes);
         let detection = reader.optional_text(columns.detection);
         if let Some(probability) = probability
             && columns.detection.is_some()
@@ -156,6 +166,7 @@ impl Builder {
         columns: &Columns,
         track: u32,
         point: TrackPoint,
+        modes: &[f64],
     ) -> u32 {
         if self.points.len() <= track as usize {
             self.points.resize_with(track as usize + 1, Vec::new);
@@ -164,10 +175,12 @@ impl Builder {
         let key = (track, point.sensor, point.time_s.to_bits());
         let known = *self.latest.entry(key).or_insert(points.len());
         if let Some((known_point, row)) = points.get(known) {
-            if columns.detection.is_none() && *known_point == point {
+            let mode_row = known_point.mode_row;
+            let said_again = TrackPoint { mode_row, ..point };
+            if columns.detection.is_none() && *known_point == said_again {
                 self.repeats.add(reader.row());
             } else {
-                check_same_point(reader, columns, known_point, &point, *row);
+                check_same_point(reader, columns, known_point, &said_again, *row);
             }
             return known as u32;
         }
@@ -176,7 +189,8 @@ impl Builder {
             .map_or(f64::NEG_INFINITY, |(last, _)| last.time_s);
         self.disorder
             .note(&mut latest_s, point.time_s, reader.row());
-        points.push((point, reader.row()));
+        let mode_row = self.modes.push(modes);
+        points.push((TrackPoint { mode_row, ..point }, reader.row()));
         known as u32
     }
 
@@ -301,6 +315,7 @@ impl Builder {
             space: space.of_points(!tracks.is_empty()),
             tracks,
             candidates,
+            modes: self.modes,
             detection_ids,
             sensor_ids,
             attributes: self.attributes,
@@ -340,6 +355,7 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
         height_m,
         status,
         nis,
+        mode_row: None,
         first_candidate: 0,
         candidates: 0,
     })
@@ -356,6 +372,22 @@ fn read_nis(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
         );
     }
     Some(nis)
+}
+
+/// The probabilities of the row's models; none where one is missing.
+fn read_modes(reader: &mut RowReader, columns: &Columns) -> Vec<f64> {
+    let mut modes = Vec::new();
+    for &column in &columns.modes {
+        let Some(probability) = reader.optional_number(Some(column)) else {
+            return Vec::new();
+        };
+        if !(0.0..=1.0).contains(&probability) {
+            let detail = format!("{probability} is not a probability");
+            reader.fault_allowing(column, "out_of_range", detail, "0 to 1");
+        }
+        modes.push(probability);
+    }
+    modes
 }
 
 fn read_status(reader: &mut RowReader, columns: &Columns) -> Option<TrackStatus> {

@@ -11,8 +11,8 @@
 //! F = \[1 T T²/2; 0 1 T; 0 0 1\], Q = q \[T⁵/20 T⁴/8 T³/6; T⁴/8 T³/3 T²/2; T³/6 T²/2 T\].
 
 use super::Motion;
-use crate::model::state::{GaussianState, mirror};
-use nalgebra::SMatrix;
+use super::linear::Linear;
+use crate::model::state::GaussianState;
 
 /// `spectral_density` is q (m²/s⁵), the same for every coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,17 +22,10 @@ pub struct ConstantAcceleration {
     pub initial_sigma: f64,
 }
 
-/// F and Q.
-#[derive(Debug, Clone, Copy)]
-pub struct Step<const N: usize> {
-    transition: SMatrix<f64, N, N>,
-    noise: SMatrix<f64, N, N>,
-}
-
 impl<const N: usize> Motion<N> for ConstantAcceleration {
-    type Step = Step<N>;
+    type Step = Linear<N>;
 
-    fn step(&self, dt_s: f64) -> Step<N> {
+    fn step(&self, dt_s: f64) -> Linear<N> {
         let (q, t) = (self.spectral_density, dt_s);
         let of_axis = [
             [t.powi(5) / 20.0, t.powi(4) / 8.0, t.powi(3) / 6.0],
@@ -40,23 +33,12 @@ impl<const N: usize> Motion<N> for ConstantAcceleration {
             [t.powi(3) / 6.0, t.powi(2) / 2.0, t],
         ];
         let change = [[1.0, t, t * t / 2.0], [0.0, 1.0, t], [0.0, 0.0, 1.0]];
-        let axes = N / 3;
-        let (mut transition, mut noise) = (SMatrix::zeros(), SMatrix::zeros());
-        for row in 0..N {
-            for column in (row % axes..N).step_by(axes) {
-                transition[(row, column)] = change[row / axes][column / axes];
-                noise[(row, column)] = q * of_axis[row / axes][column / axes];
-            }
-        }
-        Step { transition, noise }
+        Linear::of_axes(&change, &of_axis.map(|row| row.map(|noise| q * noise)))
     }
 
     #[inline]
-    fn predict(step: &Step<N>, belief: &mut GaussianState<N>) {
-        belief.mean = step.transition * belief.mean;
-        belief.covariance =
-            step.transition * belief.covariance * step.transition.transpose() + step.noise;
-        mirror(&mut belief.covariance);
+    fn predict(step: &Linear<N>, belief: &mut GaussianState<N>) {
+        step.predict(belief);
     }
 
     fn initial_sigma(&self) -> f64 {

@@ -4,6 +4,12 @@ use super::state::GaussianState;
 
 pub mod constant_acceleration;
 pub mod constant_velocity;
+pub mod coordinated_turn;
+mod decay;
+pub mod linear;
+pub mod ornstein_uhlenbeck;
+pub mod singer;
+pub mod unknown_turn;
 
 /// A motion model of states of `N` variables: the coordinates, then their rates, then what the model adds.
 pub trait Motion<const N: usize>: Copy + Send + 'static {

@@ -128,6 +128,7 @@ fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
         frame: set.frame,
         tracks,
         candidates: set.candidates.clone(),
+        modes: set.modes.clone(),
         detection_ids: set.detection_ids.clone(),
         sensor_ids: set.sensor_ids.clone(),
         time_base: set.time_base,

@@ -110,6 +110,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let kinematics = &mut self.scratch.kinematics;
         kinematics.clear();
         point.state.pack_into(kinematics);
+        let belief = self.filter.begin(&point.state);
         recorder.point(&RecordedPoint {
             serial: track.serial,
             scan_index: point.scan_index,
@@ -118,6 +119,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             status: track.life.status(),
             kinematics,
             nis: None,
+            modes: F::mode_probabilities(&belief),
             candidates: &[Candidate {
                 detection: Some(point.detection),
                 probability: 1.0,

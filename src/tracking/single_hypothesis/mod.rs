@@ -248,11 +248,10 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         for edge in edges {
             let weight = weights.edges[edge];
             if weight > 0.0 {
-                let edge = &hypotheses.problem().edges()[edge];
                 detected += weight;
-                weighted_nis += weight * edge.squared_distance;
+                weighted_nis += weight * hypotheses.fit(edge);
                 candidates.push(Candidate {
-                    detection: Some(edge.detection),
+                    detection: Some(hypotheses.problem().edges()[edge].detection),
                     probability: weight,
                 });
             }
@@ -312,6 +311,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             status: track.life.status(),
             kinematics,
             nis,
+            modes: F::mode_probabilities(&self.memory.beliefs[index]),
             candidates: &self.scratch.candidates,
         });
     }

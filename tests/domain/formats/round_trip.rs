@@ -5,6 +5,7 @@ use nalgebra::{Matrix2, Matrix6};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use trackloom_domain::formats::{FORMATS, write_csv, write_json};
+use trackloom_domain::model::modes::ModeTable;
 use trackloom_domain::model::names::{name_fault, natural_order};
 use trackloom_domain::model::scan::{Detection, Measurement, RecordingParts, Scan};
 use trackloom_domain::model::sensor::SensorSettings;
@@ -289,6 +290,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
     } else {
         State::new(x, y, 0.0, 0.0)
     };
+    let share = x.abs().fract();
     TrackPoint {
         height_m: None,
         time_s,
@@ -296,6 +298,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         estimate: Kinematics::of_plane(&state, has_velocity, covariance.as_ref()),
         status: status.map(|index| TrackStatus::ALL[index].0),
         nis: status.map(|_| x.abs()),
+        mode_row: status.and_then(|_| set.modes.push(&[share, 1.0 - share])),
         first_candidate: first_candidate as u32,
         candidates: (set.candidates.len() - first_candidate) as u32,
     }
@@ -313,10 +316,12 @@ fn truth_of_bearings(truth: &TruthSet) -> TruthSet {
     TruthSet::new(Space::Bearing, targets).expect("it was sound")
 }
 
-/// The same tracks with x taken for a bearing in degrees, and its velocity and covariance for those of the bearing.
+/// The same tracks with x taken for a bearing in degrees, and its velocity and covariance for those of the bearing; of one model.
 fn tracks_of_bearings(mut set: TrackSet) -> TrackSet {
     let degree = 1f64.to_radians();
+    set.modes = ModeTable::default();
     for point in set.tracks.iter_mut().flat_map(|track| &mut track.points) {
+        point.mode_row = None;
         let plane = &point.estimate;
         let square = |covariance: Covariance| {
             Matrix2::new(

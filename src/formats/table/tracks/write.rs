@@ -2,7 +2,9 @@
 
 use crate::formats::table::Sink;
 use crate::formats::table::estimate::EstimateLayout;
+use crate::formats::table::header::MODE_COLUMNS;
 use crate::geodesy::Stereographic;
+use crate::model::modes::MAX_MODES;
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 use std::io;
 
@@ -43,6 +45,7 @@ struct Layout {
     candidates: bool,
     status: bool,
     nis: bool,
+    modes: usize,
 }
 
 impl Layout {
@@ -58,6 +61,11 @@ impl Layout {
             candidates: has(|point| point.candidates > 0),
             status: has(|point| point.status.is_some()),
             nis: has(|point| point.nis.is_some()),
+            modes: if has(|point| point.mode_row.is_some()) {
+                set.modes.modes().min(MAX_MODES)
+            } else {
+                0
+            },
         }
     }
 
@@ -73,6 +81,7 @@ impl Layout {
         );
         columns.extend(self.status.then_some("status"));
         columns.extend(self.nis.then_some("nis"));
+        columns.extend(&MODE_COLUMNS[..self.modes]);
         columns
     }
 }
@@ -126,6 +135,10 @@ fn write_row(
     }
     if layout.nis {
         sink.number(point.nis)?;
+    }
+    let modes = set.modes_of(point);
+    for mode in 0..layout.modes {
+        sink.number(modes.get(mode).copied())?;
     }
     let known = set.attributes.get(&track.track_id);
     for name in attributes {

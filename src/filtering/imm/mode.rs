@@ -1,0 +1,148 @@
+//! One model of several: how a belief of `N` variables is predicted by a model that has fewer, and what models lend each other.
+
+use super::Mixing;
+use crate::filtering::motions::AnyMotion;
+use crate::model::motion::linear::Linear;
+use crate::model::motion::ornstein_uhlenbeck::OrnsteinUhlenbeck;
+use crate::model::motion::unknown_turn::UnknownTurn;
+use crate::model::motion::{Motion, constant_velocity, ornstein_uhlenbeck, unknown_turn};
+use crate::model::state::GaussianState;
+
+/// What a model has beyond position and velocity, in the places after them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extra {
+    Nothing,
+    /// ω.
+    TurnRate,
+    /// East and north.
+    Acceleration,
+}
+
+impl Extra {
+    pub fn of(motion: &AnyMotion) -> Self {
+        match motion {
+            AnyMotion::ConstantVelocity(_)
+            | AnyMotion::CoordinatedTurn(_)
+            | AnyMotion::OrnsteinUhlenbeck(_) => Extra::Nothing,
+            AnyMotion::UnknownTurn(_) => Extra::TurnRate,
+            AnyMotion::ConstantAcceleration(_) | AnyMotion::Singer(_) => Extra::Acceleration,
+        }
+    }
+
+    /// All variables of a state.
+    #[inline(always)]
+    pub fn variables(self) -> usize {
+        match self {
+            Extra::Nothing => 4,
+            Extra::TurnRate => 5,
+            Extra::Acceleration => 6,
+        }
+    }
+}
+
+/// What a time does to the states of one model.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one is made for a model and scan, and memory asked for would cost more"
+)]
+#[derive(Debug, Clone, Copy)]
+pub enum ModeStep {
+    Velocity(constant_velocity::Step<4>),
+    Linear(Linear<4>),
+    Drifting(ornstein_uhlenbeck::Step),
+    Turning(unknown_turn::Step),
+    Accelerating(Linear<6>),
+}
+
+impl ModeStep {
+    pub fn new(motion: &AnyMotion, dt_s: f64) -> Self {
+        match motion {
+            AnyMotion::ConstantVelocity(motion) => ModeStep::Velocity(motion.step(dt_s)),
+            AnyMotion::CoordinatedTurn(motion) => ModeStep::Linear(motion.step(dt_s)),
+            AnyMotion::OrnsteinUhlenbeck(motion) => ModeStep::Drifting(motion.step(dt_s)),
+            AnyMotion::UnknownTurn(motion) => ModeStep::Turning(motion.step(dt_s)),
+            AnyMotion::ConstantAcceleration(motion) => ModeStep::Accelerating(motion.step(dt_s)),
+            AnyMotion::Singer(motion) => ModeStep::Accelerating(motion.step(dt_s)),
+        }
+    }
+
+    pub fn extra(&self) -> Extra {
+        match self {
+            ModeStep::Velocity(_) | ModeStep::Linear(_) | ModeStep::Drifting(_) => Extra::Nothing,
+            ModeStep::Turning(_) => Extra::TurnRate,
+            ModeStep::Accelerating(_) => Extra::Acceleration,
+        }
+    }
+
+    /// Predicts the variables that the model has; the others stay 0.
+    #[inline(always)]
+    pub fn predict<const N: usize>(&self, state: &mut GaussianState<N>) {
+        match self {
+            ModeStep::Velocity(step) => on_leading::<4, N>(state, |state| {
+                constant_velocity::ConstantVelocity::predict(step, state);
+            }),
+            ModeStep::Linear(step) => on_leading::<4, N>(state, |state| step.predict(state)),
+            ModeStep::Drifting(step) => on_leading::<4, N>(state, |state| {
+                OrnsteinUhlenbeck::predict(step, state);
+            }),
+            ModeStep::Turning(step) if N >= 5 => on_leading::<5, N>(state, |state| {
+                UnknownTurn::predict(step, state);
+            }),
+            ModeStep::Accelerating(step) if N >= 6 => {
+                on_leading::<6, N>(state, |state| step.predict(state));
+            }
+            ModeStep::Turning(_) | ModeStep::Accelerating(_) => {
+                debug_assert!(
+                    false,
+                    "the beliefs of a filter hold the variables of its models"
+                );
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn on_leading<const M: usize, const N: usize>(
+    state: &mut GaussianState<N>,
+    work: impl FnOnce(&mut GaussianState<M>),
+) {
+    let mut leading = state.leading::<M>();
+    work(&mut leading);
+    set_leading(state, &leading);
+}
+
+/// Replaces the first `M` variables, and their covariance with each other.
+#[inline(always)]
+pub fn set_leading<const M: usize, const N: usize>(
+    state: &mut GaussianState<N>,
+    leading: &GaussianState<M>,
+) {
+    let mut mean = state.mean.fixed_rows_mut::<M>(0);
+    mean.copy_from(&leading.mean);
+    let mut covariance = state.covariance.fixed_view_mut::<M, M>(0, 0);
+    covariance.copy_from(&leading.covariance);
+}
+
+/// The state of one model as another one takes it: without what that does not have. What it has and the lender has not, it
+/// takes from itself, or it is 0.
+#[inline(always)]
+pub fn lent<const N: usize>(
+    (from, of): (&GaussianState<N>, Extra),
+    (to, its): (&GaussianState<N>, Extra),
+    mixing: Mixing,
+) -> GaussianState<N> {
+    if N == 4 || of == its {
+        return *from;
+    }
+    let mut lent = GaussianState {
+        mean: nalgebra::SVector::zeros(),
+        covariance: nalgebra::SMatrix::zeros(),
+    };
+    if mixing == Mixing::Unbiased {
+        lent = *to;
+        lent.covariance.fixed_rows_mut::<4>(0).fill(0.0);
+        lent.covariance.fixed_columns_mut::<4>(0).fill(0.0);
+    }
+    set_leading(&mut lent, &from.leading::<4>());
+    lent
+}
