@@ -2,6 +2,8 @@
 
 #[path = "../../benches/support/flights.rs"]
 mod flights;
+#[path = "../../benches/support/maneuver.rs"]
+mod maneuver_scene;
 #[path = "../../benches/support/random_tracks.rs"]
 mod random_tracks;
 
@@ -35,6 +37,7 @@ mod imm;
 mod integer_programme;
 mod liang_verdicts;
 mod lifecycle;
+mod maneuver;
 mod mixed;
 mod motions;
 mod moving_sensor;

@@ -5,6 +5,7 @@ mod cai_fuzzy_claims;
 mod huo2008;
 mod huo2008_claims;
 mod liang2009;
+mod maneuvers;
 mod recorded;
 mod wang_bat;
 mod wang_bat_claims;
@@ -55,7 +56,7 @@ pub const PAPERS: &[&str] = &[
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 9] = [
+const FAMILIES: [(&str, MakePresets); 11] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("cai-fuzzy-", cai_fuzzy_claims::presets),
@@ -65,6 +66,8 @@ const FAMILIES: [(&str, MakePresets); 9] = [
     ("wang-bat-", wang_bat_claims::presets),
     ("wang-bat-", wang_bat_record::presets),
     ("solent-", recorded::presets),
+    ("atc-maneuver", maneuvers::atc),
+    ("maneuver-10hz", maneuvers::ten_hertz),
 ];
 
 /// Every preset.
