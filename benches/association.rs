@@ -4,7 +4,8 @@
 //! scenes of 100 to 100 000 targets of equal density the cost of the whole tracker for each track and scan under `oracle`
 //! (the filter alone) and under every other associator, in u, as a ratio to the oracle, and for each detection as a ratio to
 //! the smallest scene. Last, what JPDA costs in whole runs and how it found its marginals.
-//! `cargo bench --bench association -- 100 5000` runs only these sizes, `-- jpda` only the whole runs of JPDA.
+//! `cargo bench --bench association -- 100 5000` runs only these sizes, `-- jpda` only the whole runs of JPDA, `-- imm` only what
+//! filters of several motion models cost.
 
 #[path = "support/flights.rs"]
 mod flights;
@@ -15,7 +16,7 @@ use serde_json::json;
 use std::hint::black_box;
 use std::time::Instant;
 use trackloom_domain::association::{ASSOCIATORS, Associator};
-use trackloom_domain::filtering::AnyFilter;
+use trackloom_domain::filtering::{AnyFilter, FILTERS};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::{
@@ -63,6 +64,10 @@ fn main() {
         jpda_scenes(u_ns);
         return;
     }
+    if std::env::args().any(|argument| argument == "imm") {
+        imm_scenes(u_ns);
+        return;
+    }
     let mut smallest = Vec::new();
     for &targets in if chosen.is_empty() {
         &SIZES[..]
@@ -76,7 +81,59 @@ fn main() {
     }
     if chosen.is_empty() {
         jpda_scenes(u_ns);
+        imm_scenes(u_ns);
     }
+}
+
+/// The whole tracker with filters of several motion models beside the filter of one: under the oracle, which costs the filter
+/// alone, and under global nearest neighbour.
+fn imm_scenes(u_ns: f64) {
+    println!("\nIMM, for each living track and scan");
+    println!(
+        "{:>8}  {:<24} {:<24} {:>8} {:>8} {:>9}",
+        "targets", "associator", "filter", "ns each", "u each", "/ kalman"
+    );
+    for targets in [100, 1_000] {
+        let (scenario, recording) = scene(targets);
+        for method in ["oracle", "global_nearest_neighbour"] {
+            let filters = imm_filters();
+            let mut least_ns = vec![f64::INFINITY; filters.len()];
+            for _ in 0..RUNS {
+                for (least_ns, (_, filter)) in least_ns.iter_mut().zip(&filters) {
+                    let (seconds, scans, _) = tracked_with(*filter, method, &scenario, &recording);
+                    *least_ns = least_ns.min(seconds * 1e9 / scans as f64);
+                }
+            }
+            for (ns, (name, _)) in least_ns.iter().zip(&filters) {
+                let (u, ratio) = (ns / u_ns, ns / least_ns[0]);
+                println!("{targets:>8}  {method:<24} {name:<24} {ns:>8.1} {u:>8.2} {ratio:>9.2}");
+            }
+        }
+    }
+}
+
+fn imm_filters() -> [(&'static str, AnyFilter); 4] {
+    let straight = json!({"model": "constant_velocity", "process_noise_m2ps3": 1.0});
+    let restless = json!({"model": "constant_velocity", "process_noise_m2ps3": 100.0});
+    let unknown = json!({"model": "unknown_turn"});
+    let accelerating = json!({"model": "constant_acceleration"});
+    let imm = |models: serde_json::Value| {
+        let method = FILTERS
+            .iter()
+            .find(|method| method.name == "imm")
+            .expect("a name of the table");
+        let checked = registry::check(&json!({"models": models}), method.parameters);
+        (method.build)(&checked.expect("the parameters are right")).expect("they build")
+    };
+    [
+        ("kalman", AnyFilter::kalman(1.0)),
+        ("CV, CV", imm(json!([straight, restless]))),
+        ("CV, CT unknown", imm(json!([straight, unknown]))),
+        (
+            "CV, CA, CT unknown",
+            imm(json!([straight, accelerating, unknown])),
+        ),
+    ]
 }
 
 /// One line for each associator at one size; returns what a detection costs under each, given what it cost in the smallest scene.
@@ -166,6 +223,15 @@ fn tracked(
     scenario: &Scenario,
     recording: &Recording,
 ) -> (f64, u64, Option<serde_json::Value>) {
+    tracked_with(AnyFilter::kalman(1.0), method, scenario, recording)
+}
+
+fn tracked_with(
+    filter: AnyFilter,
+    method: &str,
+    scenario: &Scenario,
+    recording: &Recording,
+) -> (f64, u64, Option<serde_json::Value>) {
     let sensor = &scenario.sensors[0];
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
     let initial_speed_sigma_mps = if sensor.max_range_m < Some(10_000.0) {
@@ -181,7 +247,7 @@ fn tracked(
         panic!("the scenes have position reports")
     };
     let parts = TrackerParts {
-        filter: AnyFilter::kalman(1.0),
+        filter,
         associator: associator(method, &json!({})),
         lifecycle: Lifecycle {
             gate_probability: 0.999,

@@ -15,11 +15,7 @@ fn main() {
     head();
     for (name, expected, of_runs) in PUBLISHED {
         let errors = published(name, &truth, runs);
-        line(
-            &format!("{name}, numpy ({of_runs} runs)"),
-            &expected,
-            None,
-        );
+        line(&format!("{name}, numpy ({of_runs} runs)"), &expected, None);
         let deviation = errors.largest_deviation(&expected, of_runs);
         line(name, &row(&errors), Some(deviation));
     }
