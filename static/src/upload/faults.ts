@@ -67,10 +67,11 @@ function optionsIn(text: string): string[] {
   return [...OPTIONS.filter(isNamed), ...asked];
 }
 
-/** Options that the answer to a look asks for, by a fault or by what seems wrong. */
+/** Options that the answer to a look asks for: by a fault, or by what would be read otherwise. */
 export function askedOptions({ fields }: Placed, error: unknown, found?: Inspection): string[] {
   const faults = error ? (asProblem(error).errors ?? []) : [];
-  const texts = [...faults.map((fault) => fault.detail), ...(found?.suspicions ?? [])];
+  const told = [...(found?.suspicions ?? []), ...(found?.warnings ?? [])];
+  const texts = [...faults.map((fault) => fault.detail), ...told];
   const faulted = [...fields.keys()].map((pointer) => pointer.split("/")[1] ?? "");
   return [...new Set([...faulted, ...texts.flatMap(optionsIn)])];
 }

@@ -16,6 +16,11 @@ interface MappingProps {
   change: (columns: Columns) => void;
 }
 
+const LONGEST = 16;
+
+const shortened = (text: string): string =>
+  text.length > LONGEST ? `${text.slice(0, LONGEST - 1)}…` : text;
+
 function changed(columns: Columns, name: string, to: string): Columns {
   const { [name]: _, ...others } = columns;
   return to === "" ? others : { ...others, [name]: to };
@@ -32,7 +37,9 @@ export function Mapping({ id, head, columns, faults, change }: MappingProps): JS
               <th scope="row" class="mono">
                 {name}
               </th>
-              <td class="mono muted">{head.rows.map((row) => row[index] ?? "").join(" · ")}</td>
+              <td class="mono muted">
+                {head.rows.map((row) => shortened(row[index] ?? "")).join(" · ")}
+              </td>
               <td>
                 <ColumnInput
                   id={`${id}-column-${index}`}

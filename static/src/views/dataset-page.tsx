@@ -171,7 +171,7 @@ function Provenance({ dataset }: { dataset: Dataset }): JSX.Element {
     );
   const rows: Fact[] = [
     ["Origin", from],
-    ["Created", dataset.created_at],
+    ["Created", `${dataset.created_at.slice(0, 19).replace("T", " ")} UTC`],
     ["Format", dataset.format],
     ["Size", bytes(dataset.bytes)],
     [
