@@ -6,6 +6,7 @@ import { mkdtemp, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
+import { gzipSync } from "node:zlib";
 import { baseStation, position, sentence } from "./ais.mjs";
 import {
   allowRefusals,
@@ -284,6 +285,39 @@ test("a large file is looked at only when somebody asks", async () => {
   await page.getByRole("button", { name: "Look into it" }).click();
   await page.locator(".upload > label", { hasText: /the format could not be told/i }).waitFor();
   assert.equal(looks, 1);
+  allowRefusals(page, 422);
+  await closePage(page);
+});
+
+test("columns are shown of packed tables, of JSON, and under a comment; of feeds none", async () => {
+  const record = { who: "alpha", when: 0, lat: 50.8, where: { lat: 1 } };
+  const files = {
+    "packed.csv.gz": [gzipSync(FEET), ["who", "when", "lat", "lon", "alt"]],
+    "records.json": [JSON.stringify([record, record]), ["who", "when", "lat"]],
+    "lines.json": [
+      `${JSON.stringify(record)}\n${JSON.stringify(record)}\n`,
+      ["who", "when", "lat"],
+    ],
+    "columns.json": [JSON.stringify({ columns: { who: ["alpha"], when: [0] } }), ["who", "when"]],
+    "comment.csv": [
+      "# a remark\n# Timestamp,MMSI\n01/02/2016 10:00:00,2\n",
+      ["# Timestamp", "MMSI"],
+    ],
+    "quoted.txt": ['"a;b"|"c"\n1|2\n', ["a;b", "c"]],
+    "harbour.nmea": [ships(), []],
+  };
+  const page = await openPage(browser, "?view=datasets&upload=1");
+  for (const [name, [content, names]] of Object.entries(files)) {
+    const buffer = Buffer.from(content);
+    await page
+      .locator("input[type=file]")
+      .setInputFiles({ name, buffer, mimeType: "application/octet-stream" });
+    await page.locator(".look .found, .look .problem, .look .field-fault").first().waitFor();
+    const shown = await page
+      .locator("[data-column]")
+      .evaluateAll((all) => all.map((input) => input.dataset.column));
+    assert.deepEqual(shown, names, name);
+  }
   allowRefusals(page, 422);
   await closePage(page);
 });
