@@ -6,8 +6,6 @@ import { Empty, Link } from "./components/basics";
 import { later } from "./components/later";
 import { chooseTheme, type ThemeChoice, themeChoice } from "./state/theme";
 import { pageHref, param } from "./state/url";
-import { DatasetPage } from "./views/dataset-page";
-import { Datasets } from "./views/datasets";
 import { JobList } from "./views/job-list";
 import { JobPage } from "./views/job-page";
 
@@ -21,6 +19,11 @@ const TITLES: Record<string, string> = {
 };
 
 // What few visits look at comes when it is looked at.
+const Datasets = later("data sets", async () => (await import("./views/datasets")).Datasets);
+const DatasetPage = later(
+  "the data set",
+  async () => (await import("./views/dataset-page")).DatasetPage,
+);
 const NewJob = later("the form", async () => (await import("./views/new-job")).NewJob);
 const Compare = later("the comparison", async () => (await import("./views/compare")).Compare);
 

@@ -12,9 +12,8 @@ import { useResource } from "../components/resource";
 import { duration, moment, seconds } from "../format";
 import { followJob, isActive } from "../state/live";
 import { go, hereHref, pageHref, param } from "../state/url";
-import { CampaignPage, leftRuns } from "./campaign-page";
 import { JobMetrics } from "./job-metrics";
-import { type TabName, Tabs, Waiting } from "./job-parts";
+import { leftRuns, type TabName, Tabs, Waiting } from "./job-parts";
 import { JobSpec } from "./job-spec";
 import { JobSummary, SCANLESS } from "./job-summary";
 import { JobVerdicts } from "./job-verdicts";
@@ -190,7 +189,11 @@ function hasTrace(report: Report): boolean {
   return association?.diagnostics !== undefined || grouping?.search !== undefined;
 }
 
-// Lists do without the code of these, and most jobs without that of the last two.
+// Lists do without the code of these, and most jobs without that of all but the plan.
+const CampaignPage = later(
+  "the campaign",
+  async () => (await import("./campaign-page")).CampaignPage,
+);
 const Plan = later("the plan", async () => (await import("./job-pictures")).JobPictures);
 const JobCorrelation = later(
   "the tuples",
