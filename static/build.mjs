@@ -84,6 +84,23 @@ function output(metafile, entry, ending) {
   return relative("dist", found[0]);
 }
 
+/** What an upload may say of its file, with the parts that it is made of: a schema of its own. */
+function uploadSchema() {
+  const { schemas } = JSON.parse(
+    readFileSync(join(here, "../openapi/openapi.json"), "utf8"),
+  ).components;
+  const parts = {};
+  const add = (schema) => {
+    for (const [, name] of JSON.stringify(schema).matchAll(/"#\/components\/schemas\/(\w+)"/g)) {
+      if (name in parts) continue;
+      parts[name] = schemas[name];
+      add(schemas[name]);
+    }
+  };
+  add(schemas.DatasetMeta);
+  return { ...schemas.DatasetMeta, $defs: parts };
+}
+
 rmSync(dist, { recursive: true, force: true });
 mkdirSync(join(dist, "assets"), { recursive: true });
 const shared = {
@@ -110,7 +127,11 @@ const { metafile } = await build({
   splitting: true,
   format: "esm",
   chunkNames: "[name]-[hash]",
-  define: { "process.env.NODE_ENV": '"production"', STREAM_WORKER: JSON.stringify(workerPath) },
+  define: {
+    "process.env.NODE_ENV": '"production"',
+    STREAM_WORKER: JSON.stringify(workerPath),
+    UPLOAD_SCHEMA: JSON.stringify(uploadSchema()),
+  },
 });
 writeFileSync(
   join(dist, "index.html"),

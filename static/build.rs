@@ -6,13 +6,14 @@ use std::process::Command;
 use std::{env, fs, io};
 
 /// What the dashboard is made of. Everything that is written (`dist`, `node_modules`, `generated`) lies outside.
-const SOURCES: [&str; 6] = [
+const SOURCES: [&str; 7] = [
     "static/src",
     "static/build.mjs",
     "static/package.json",
     "static/package-lock.json",
     "static/.npmrc",
     "static/tsconfig.json",
+    "openapi/openapi.json",
 ];
 
 fn main() {

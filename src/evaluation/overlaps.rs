@@ -3,12 +3,22 @@
 //! # Method
 //! The steps are the frames in which anything is, of truth or of tracks. A box of truth meets only the tracks whose left
 //! edge lies between its own, less the greatest width, and its right edge; pairs that do not overlap are not listed.
+//!
+//! Tracks on distractors are forgiven as the benchmark has it: in each frame all boxes of truth, of whatever class, are matched to the
+//! tracks with the greatest sum of overlaps of [`FORGIVING`] and more; a box of a track that a distractor gets is left out.
+//!
+//! # Reference
+//! A. Milan, L. Leal-Taixé, I. Reid, S. Roth, K. Schindler, MOT16: A Benchmark for Multi-Object Tracking, 2016, section 4.1.
 
 use super::comparison::{ComparedStep, Comparison, Pair, Presence};
 use super::extent::Extent;
+use super::matching::StepMatcher;
 use crate::model::boxes::{BoxSet, ObjectBox};
 use crate::model::space::Place;
 use crate::model::watch::Watch;
+
+/// Overlap from which a track is on a distractor.
+const FORGIVING: f64 = 0.5;
 
 impl Comparison {
     /// Compares boxes; they match from an intersection over union of `min_overlap` on. Times are frame numbers,
@@ -29,53 +39,109 @@ impl Comparison {
         min_overlap: f64,
         extent: &mut Extent,
     ) -> Comparison {
-        extent.add_ids(truth.object_ids().len() + tracks.object_ids().len());
-        extent.add_points(truth.boxes().len() + tracks.boxes().len());
-        let mut comparison = Comparison {
-            space: None,
-            gate: 1.0 - min_overlap,
-            truth_ids: truth.object_ids().to_vec(),
-            track_ids: tracks.object_ids().to_vec(),
-            steps: Vec::new(),
-            truths: presences(truth.boxes()),
-            tracks: presences(tracks.boxes()),
-            pairs: Vec::with_capacity(truth.boxes().len() + tracks.boxes().len()),
-            warnings: warnings(truth.boxes(), tracks.boxes()),
-        };
-        let mut sweep = Sweep::default();
-        let (mut truth_from, mut track_from) = (0, 0);
-        while let Some(frame) =
-            next_frame(&truth.boxes()[truth_from..], &tracks.boxes()[track_from..])
-        {
-            let truths = truth_from..truth_from + in_frame(&truth.boxes()[truth_from..], frame);
-            let seen = track_from..track_from + in_frame(&tracks.boxes()[track_from..], frame);
-            let first_pair = comparison.pairs.len();
-            sweep.restart(tracks.boxes(), seen.clone());
-            for index in truths.clone() {
-                let looked_at = sweep.meet(
-                    truth.boxes(),
-                    index as u32,
-                    tracks.boxes(),
-                    &mut comparison.pairs,
-                );
-                // One truth has no more pairs than there are tracks in the frame.
-                if !extent.goes_on_with(comparison.pairs.len() - first_pair, 8 * looked_at) {
-                    return comparison;
-                }
-            }
-            extent.end_step(comparison.pairs.len() - first_pair);
-            comparison.pairs[first_pair..].sort_unstable_by_key(|pair| (pair.truth, pair.track));
-            (truth_from, track_from) = (truths.end, seen.end);
-            let pairs = first_pair..comparison.pairs.len();
-            comparison.steps.push(ComparedStep {
-                time_s: f64::from(frame),
-                truths,
-                tracks: seen,
-                pairs,
-            });
+        let forgiven = forgiven(truth, tracks.boxes(), extent);
+        if forgiven.is_empty() {
+            return compare(truth, tracks, min_overlap, extent);
         }
+        let kept = tracks.without(&forgiven);
+        let mut comparison = compare(truth, &kept, min_overlap, extent);
+        let is_kept = |index: &u32| forgiven.binary_search(index).is_err();
+        let points = (0..tracks.boxes().len() as u32).filter(is_kept);
+        for (presence, point) in comparison.tracks.iter_mut().zip(points) {
+            presence.point = point;
+        }
+        comparison.warnings.push(format!(
+            "{} boxes of tracks are on distractors: they are neither right nor false",
+            forgiven.len()
+        ));
         comparison
     }
+}
+
+fn compare(truth: &BoxSet, tracks: &BoxSet, min_overlap: f64, extent: &mut Extent) -> Comparison {
+    extent.add_ids(truth.object_ids().len() + tracks.object_ids().len());
+    let mut comparison = compare_boxes(truth.boxes(), tracks.boxes(), min_overlap, extent);
+    comparison.truth_ids = truth.object_ids().to_vec();
+    comparison.track_ids = tracks.object_ids().to_vec();
+    comparison
+}
+
+/// Of boxes alone: the names of their objects are not known yet.
+fn compare_boxes(
+    truth: &[ObjectBox],
+    tracks: &[ObjectBox],
+    min_overlap: f64,
+    extent: &mut Extent,
+) -> Comparison {
+    extent.add_points(truth.len() + tracks.len());
+    let mut comparison = Comparison {
+        space: None,
+        gate: 1.0 - min_overlap,
+        truth_ids: Vec::new(),
+        track_ids: Vec::new(),
+        steps: Vec::new(),
+        truths: presences(truth),
+        tracks: presences(tracks),
+        pairs: Vec::with_capacity(truth.len() + tracks.len()),
+        warnings: warnings(truth, tracks),
+    };
+    let mut sweep = Sweep::default();
+    let (mut truth_from, mut track_from) = (0, 0);
+    while let Some(frame) = next_frame(&truth[truth_from..], &tracks[track_from..]) {
+        let truths = truth_from..truth_from + in_frame(&truth[truth_from..], frame);
+        let seen = track_from..track_from + in_frame(&tracks[track_from..], frame);
+        let first_pair = comparison.pairs.len();
+        sweep.restart(tracks, seen.clone());
+        for index in truths.clone() {
+            let looked_at = sweep.meet(truth, index as u32, tracks, &mut comparison.pairs);
+            // One truth has no more pairs than there are tracks in the frame.
+            if !extent.goes_on_with(comparison.pairs.len() - first_pair, 8 * looked_at) {
+                return comparison;
+            }
+        }
+        extent.end_step(comparison.pairs.len() - first_pair);
+        comparison.pairs[first_pair..].sort_unstable_by_key(|pair| (pair.truth, pair.track));
+        (truth_from, track_from) = (truths.end, seen.end);
+        let pairs = first_pair..comparison.pairs.len();
+        comparison.steps.push(ComparedStep {
+            time_s: f64::from(frame),
+            truths,
+            tracks: seen,
+            pairs,
+        });
+    }
+    comparison
+}
+
+/// The boxes of tracks that lie on distractors, by their indices, rising.
+fn forgiven(truth: &BoxSet, tracks: &[ObjectBox], extent: &mut Extent) -> Vec<u32> {
+    if !truth.others().iter().any(|other| other.forgives) {
+        return Vec::new();
+    }
+    let asked = truth.boxes().iter().map(|one| (*one, false));
+    let others = truth.others().iter();
+    let mut all: Vec<(ObjectBox, bool)> = asked
+        .chain(others.map(|other| (other.one, other.forgives)))
+        .collect();
+    all.sort_by_key(|(one, _)| one.frame);
+    let boxes: Vec<ObjectBox> = all.iter().map(|(one, _)| *one).collect();
+    let comparison = compare_boxes(&boxes, tracks, FORGIVING, extent);
+    let mut matcher = StepMatcher::default();
+    let mut found = Vec::new();
+    for step in &comparison.steps {
+        let matched = matcher.best(&comparison, step, |_, pair| {
+            let counts = pair.similarity >= FORGIVING - f64::EPSILON;
+            if counts { pair.similarity } else { 0.0 }
+        });
+        for &pair in matched {
+            let pair = &comparison.pairs[pair as usize];
+            if all[pair.truth as usize].1 {
+                found.push(pair.track);
+            }
+        }
+    }
+    found.sort_unstable();
+    found
 }
 
 fn presences(boxes: &[ObjectBox]) -> Vec<Presence> {

@@ -161,7 +161,9 @@ fn damaged(error: impl std::fmt::Display) -> Vec<Fault> {
     if error.contains("Disabled feature") || error.contains("decompression requires") {
         let detail = format!("the file is compressed in a way that is not read: {error}");
         let fault = Fault::new("/file", "unsupported", detail);
-        return vec![fault.allowing("Parquet with snappy or uncompressed, Arrow uncompressed")];
+        return vec![
+            fault.allowing("Parquet with snappy, Zstandard or uncompressed, Arrow uncompressed"),
+        ];
     }
     let detail = format!("the file is damaged or cut off: {error}");
     vec![Fault::new("/file", "malformed", detail)]

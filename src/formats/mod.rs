@@ -23,6 +23,7 @@ mod lines;
 mod loose;
 pub mod mode_s;
 pub mod mot;
+mod mot_detections;
 pub mod npy;
 mod options;
 pub mod out;

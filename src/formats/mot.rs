@@ -3,15 +3,16 @@
 //! `frame,id,left,top,width,height,confidence,…`: 6 to 10 values, the confidence 1 where it is left out. Frames count from
 //! 1; edges are in pixels. What follows the confidence is not read, but for truth with exactly 9 values (MOT16 and later),
 //! whose eighth is a class. As the benchmark has it, rows of truth with confidence 0 are left out, and so are classes other
-//! than 1 (pedestrian); tracks on such objects are not forgiven, they are false.
+//! than 1 (pedestrian). Tracks on distractors (classes 2, 7, 8 and 12) are forgiven, on other classes they are false.
+//! Of detections the number of the object is not read.
 //!
 //! # Reference
 //! A. Milan, L. Leal-Taixé, I. Reid, S. Roth, K. Schindler, MOT16: A Benchmark for Multi-Object Tracking, 2016.
 
 use super::lines;
 use super::table::{FaultLog, Repeats, push_number};
-use super::{Format, ReadOptions, ReadOutcome, refuse_columns};
-use crate::model::boxes::{BoxSet, ObjectBox};
+use super::{Format, ReadOptions, ReadOutcome, Reading, Units, mot_detections, refuse_columns};
+use crate::model::boxes::{BoxSet, ObjectBox, OtherBox};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use std::collections::BTreeMap;
@@ -19,9 +20,13 @@ use std::io::{self, BufRead, Write};
 
 pub const FORMAT: Format = Format {
     name: "mot",
-    summary: "MOTChallenge text: boxes of truth or tracks in the frames of a video",
+    summary: "MOTChallenge text: boxes of truth, tracks or a detector in the frames of a video",
     media_type: "text/plain",
-    kinds: &[DatasetKind::Truth, DatasetKind::Tracks],
+    kinds: &[
+        DatasetKind::Truth,
+        DatasetKind::Tracks,
+        DatasetKind::Detections,
+    ],
     options: &[],
     read,
 };
@@ -39,8 +44,11 @@ const COLUMNS: [&str; 8] = [
 /// Values in a row of truth that has a class.
 const WITH_CLASS: usize = 9;
 const PEDESTRIAN: f64 = 1.0;
+/// A person on a vehicle, one who does not move, what looks like one, a reflection.
+const DISTRACTORS: [f64; 4] = [2.0, 7.0, 8.0, 12.0];
+const KINDS: &str = "truth, tracks, detections";
 
-/// Reads one file; the options must say whether it is truth or tracks.
+/// Reads one file; the options must say whether it is truth, tracks or detections.
 ///
 /// # Errors
 /// Every fault, with line and column.
@@ -49,31 +57,38 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     let Some(kind) = options.kind else {
         let detail = "files in the format 'mot' do not say what they hold";
         return Err(vec![
-            Fault::new("/meta/kind", "missing", detail).allowing("truth, tracks"),
+            Fault::new("/meta/kind", "missing", detail).allowing(KINDS),
         ]);
     };
     if !FORMAT.kinds.contains(&kind) {
         let detail = format!("files in the format 'mot' cannot hold {}", kind.name());
         return Err(vec![
-            Fault::new("/meta/kind", "unsupported", detail).allowing("truth, tracks"),
+            Fault::new("/meta/kind", "unsupported", detail).allowing(KINDS),
         ]);
     }
     let mut reader = Reader {
         is_truth: kind == DatasetKind::Truth,
+        is_of_detector: kind == DatasetKind::Detections,
         ..Reader::default()
     };
     reader.lines(input)?;
+    if reader.is_of_detector {
+        let reading = Reading::of(&options.options)?;
+        return reader.finish_detections(reading.frame_s.unwrap_or(1.0));
+    }
     reader.finish()
 }
 
 #[derive(Default)]
 struct Reader {
     is_truth: bool,
+    is_of_detector: bool,
     faults: FaultLog,
     /// Each with the number in the file in place of the object's index, and its line.
     boxes: Vec<(i64, ObjectBox, u64)>,
-    without_confidence: usize,
-    of_other_classes: usize,
+    without_confidence: u64,
+    /// Of truth with classes: what is no pedestrian to be found.
+    others: Vec<OtherBox>,
 }
 
 impl Reader {
@@ -131,7 +146,8 @@ impl Reader {
             ));
             return;
         }
-        let class = if self.is_truth && count == WITH_CLASS {
+        let has_class = self.is_truth && count == WITH_CLASS;
+        let class = if has_class {
             self.number(line, &cells, 7)
         } else {
             Some(PEDESTRIAN)
@@ -141,9 +157,12 @@ impl Reader {
         };
         match class {
             None => {}
+            Some(class) if has_class && (class != PEDESTRIAN || one.confidence == 0.0) => {
+                let forgives = DISTRACTORS.contains(&class);
+                self.others.push(OtherBox { one, forgives });
+            }
             Some(_) if self.is_truth && one.confidence == 0.0 => self.without_confidence += 1,
-            Some(PEDESTRIAN) => self.boxes.push((id, one, line)),
-            Some(_) => self.of_other_classes += 1,
+            Some(_) => self.boxes.push((id, one, line)),
         }
     }
 
@@ -155,7 +174,11 @@ impl Reader {
         count: usize,
     ) -> Option<(i64, ObjectBox)> {
         let frame = self.whole_number(line, cells, 0, 1);
-        let id = self.whole_number(line, cells, 1, 0);
+        let id = if self.is_of_detector {
+            Some(0)
+        } else {
+            self.whole_number(line, cells, 1, 0)
+        };
         let [left_px, top_px, width_px, height_px] =
             [2, 3, 4, 5].map(|column| self.number(line, cells, column));
         let confidence = if count > 6 {
@@ -248,19 +271,8 @@ impl Reader {
             self.faults
                 .push(Fault::new("/file", "duplicate", detail).at(*line, "id"));
         }
-        self.faults.finish()?;
-        let mut warnings = Vec::new();
-        warnings.extend(repeats.warning("line"));
-        let mut left_out = |count: usize, what: &str| {
-            if count > 0 {
-                warnings.push(format!("{count} rows {what} were left out"));
-            }
-        };
-        left_out(self.without_confidence, "of truth with confidence 0");
-        left_out(
-            self.of_other_classes,
-            "of truth in classes other than 1 (pedestrian), on which tracks count as false,",
-        );
+        std::mem::take(&mut self.faults).finish()?;
+        let (units, mut warnings) = self.told(&repeats);
         if self.boxes.is_empty() {
             warnings.push("there are no boxes: the dataset is empty".to_owned());
         }
@@ -274,16 +286,66 @@ impl Reader {
                 ..*one
             })
             .collect();
-        let set = BoxSet::new(
+        let mut set = BoxSet::new(
             indices.into_keys().map(|id| id.to_string()).collect(),
             boxes,
         )?;
+        set.add_others(self.others);
         let dataset = if self.is_truth {
             Dataset::TruthBoxes(set)
         } else {
             Dataset::TrackBoxes(set)
         };
-        Ok(ReadOutcome::all_used(dataset, warnings, "box"))
+        Ok(ReadOutcome {
+            dataset,
+            warnings,
+            units,
+        })
+    }
+
+    /// How the lines fared, and what a user is told of those that are left out.
+    fn told(&self, repeats: &Repeats) -> (Units, Vec<String>) {
+        let mut warnings = Vec::new();
+        warnings.extend(repeats.warning("line"));
+        let mut units = Units::called("line");
+        units.use_up(self.boxes.len() as u64);
+        let distractors = self.others.iter().filter(|other| other.forgives).count() as u64;
+        let others = self.others.len() as u64 - distractors;
+        for (count, what, why) in [
+            (
+                self.without_confidence,
+                "confidence 0",
+                "nobody has to find these",
+            ),
+            (
+                others,
+                "confidence 0 or another class",
+                "tracks on them are false",
+            ),
+            (distractors, "distractor", "tracks on them are forgiven"),
+            (repeats.count() as u64, "duplicate", ""),
+        ] {
+            if count == 0 {
+                continue;
+            }
+            units.ignore(what, count);
+            if !why.is_empty() {
+                warnings.push(format!(
+                    "{count} lines of truth are left out ({what}): {why}"
+                ));
+            }
+        }
+        (units, warnings)
+    }
+
+    fn finish_detections(self, frame_s: f64) -> Result<ReadOutcome, Vec<Fault>> {
+        self.faults.finish()?;
+        let boxes = self.boxes.into_iter().map(|(_, one, _)| one).collect();
+        let dataset = mot_detections::recording(boxes, frame_s)?;
+        let warnings = vec![format!(
+            "a pixel is taken as a metre, a frame as {frame_s} s (`frame_s` says otherwise), the confidence as amplitude"
+        )];
+        Ok(ReadOutcome::all_used(dataset, warnings, "line"))
     }
 }
 

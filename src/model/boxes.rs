@@ -68,11 +68,20 @@ impl ObjectBox {
     }
 }
 
+/// What an annotator saw that no tracker has to find; its [`ObjectBox::object`] says nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OtherBox {
+    pub one: ObjectBox,
+    /// Whether a track on it is neither right nor false.
+    pub forgives: bool,
+}
+
 /// The objects of one video and their boxes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BoxSet {
     object_ids: Vec<String>,
     boxes: Vec<ObjectBox>,
+    others: Vec<OtherBox>,
 }
 
 impl BoxSet {
@@ -109,7 +118,11 @@ impl BoxSet {
             faults.push(Fault::new(pointer(&pair[1]), "duplicate", detail));
         }
         if faults.is_empty() {
-            Ok(BoxSet { object_ids, boxes })
+            Ok(BoxSet {
+                object_ids,
+                boxes,
+                others: Vec::new(),
+            })
         } else {
             Err(faults)
         }
@@ -122,6 +135,46 @@ impl BoxSet {
     /// Frame by frame, in each by object.
     pub fn boxes(&self) -> &[ObjectBox] {
         &self.boxes
+    }
+
+    /// Frame by frame.
+    pub fn others(&self) -> &[OtherBox] {
+        &self.others
+    }
+
+    /// Adds what nobody has to find.
+    pub fn add_others(&mut self, others: Vec<OtherBox>) {
+        self.others.extend(others);
+        self.others.sort_by_key(|other| other.one.frame);
+    }
+
+    /// Without the boxes of these indices, which rise, and without objects that then have none.
+    #[must_use]
+    pub fn without(&self, left_out: &[u32]) -> BoxSet {
+        let is_kept = |index: usize| left_out.binary_search(&(index as u32)).is_err();
+        let mut numbers: Vec<Option<u32>> = vec![None; self.object_ids.len()];
+        let mut boxes: Vec<ObjectBox> = Vec::with_capacity(self.boxes.len());
+        for (index, one) in self.boxes.iter().enumerate() {
+            if is_kept(index) {
+                numbers[one.object as usize] = Some(0);
+                boxes.push(*one);
+            }
+        }
+        let mut object_ids = Vec::new();
+        for (number, id) in numbers.iter_mut().zip(&self.object_ids) {
+            if number.is_some() {
+                *number = Some(object_ids.len() as u32);
+                object_ids.push(id.clone());
+            }
+        }
+        for one in &mut boxes {
+            one.object = numbers[one.object as usize].unwrap_or_default();
+        }
+        BoxSet {
+            object_ids,
+            boxes,
+            others: self.others.clone(),
+        }
     }
 
     /// How many frames have a box.
@@ -137,6 +190,7 @@ impl BoxSet {
         BoxSet {
             object_ids: self.object_ids.clone(),
             boxes: self.boxes.iter().take(limit).copied().collect(),
+            others: Vec::new(),
         }
     }
 }

@@ -3,14 +3,11 @@
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
 import { Empty, Link } from "./components/basics";
+import { later } from "./components/later";
 import { chooseTheme, type ThemeChoice, themeChoice } from "./state/theme";
 import { pageHref, param } from "./state/url";
-import { Compare } from "./views/compare";
-import { DatasetPage } from "./views/dataset-page";
-import { Datasets } from "./views/datasets";
 import { JobList } from "./views/job-list";
 import { JobPage } from "./views/job-page";
-import { NewJob } from "./views/new-job";
 
 const TITLES: Record<string, string> = {
   jobs: "Jobs",
@@ -20,6 +17,15 @@ const TITLES: Record<string, string> = {
   datasets: "Data sets",
   dataset: "Data set",
 };
+
+// What few visits look at comes when it is looked at.
+const Datasets = later("data sets", async () => (await import("./views/datasets")).Datasets);
+const DatasetPage = later(
+  "the data set",
+  async () => (await import("./views/dataset-page")).DatasetPage,
+);
+const NewJob = later("the form", async () => (await import("./views/new-job")).NewJob);
+const Compare = later("the comparison", async () => (await import("./views/compare")).Compare);
 
 function view(name: string): JSX.Element {
   if (name === "jobs") return <JobList />;

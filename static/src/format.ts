@@ -40,9 +40,13 @@ export function moment(text: string | null | undefined): string {
   const at = new Date(text);
   const clock = `${pad(at.getHours())}:${pad(at.getMinutes())}:${pad(at.getSeconds())}`;
   const sameDay = at.toDateString() === new Date().toDateString();
-  return sameDay
-    ? clock
-    : `${at.getFullYear()}-${pad(at.getMonth() + 1)}-${pad(at.getDate())} ${clock.slice(0, 5)}`;
+  return sameDay ? clock : `${day(text)} ${clock.slice(0, 5)}`;
+}
+
+/** Local day. */
+export function day(text: string): string {
+  const at = new Date(text);
+  return `${at.getFullYear()}-${pad(at.getMonth() + 1)}-${pad(at.getDate())}`;
 }
 
 export function bytes(value: number): string {

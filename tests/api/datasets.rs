@@ -55,6 +55,40 @@ async fn an_upload_becomes_a_dataset_that_can_be_read_again() {
     );
 }
 
+/// Of a file with names, units and times of its own, and a wrong line; the next file is read likewise without a word more.
+#[tokio::test(flavor = "multi_thread")]
+async fn what_an_upload_was_told_reads_the_next_one() {
+    let api = Api::start().await;
+    let text =
+        "ID;Lat;Lon;Alt ft;When\na;50;-1;100;1000\na;50.001;-1;x;2000\na;50.002;-1;110;3000\n";
+    let meta = json!({
+        "columns": {"ID": "truth_id", "Lat": "lat_deg", "Lon": "lon_deg", "Alt ft": "height_m [ft]", "When": "time_s [ms]"},
+        "origin": {"lat_deg": 50, "lon_deg": -1}, "time_base": "utc", "max_rejected": 0.5
+    });
+    let first = api.upload(&meta, text).await.ok(201);
+    let units = json!({"called": "line", "total": 3, "used": 2, "ignored": {}, "rejected": {"malformed": {"count": 1, "first": [3]}}});
+    assert_eq!(first["units"], units);
+    assert_eq!(first["time_base"], "utc");
+    assert_eq!(first["frame"]["lat_deg"], 50.0);
+    let reading = &first["reading"];
+    assert_eq!(reading["kind"], "truth");
+    assert_eq!(reading["format"], "csv");
+    assert_eq!(reading["columns"], meta["columns"]);
+    assert_eq!(reading["max_rejected"], 0.5);
+    // The same word by word: it is the dataset that exists.
+    assert_eq!(api.upload(reading, text).await.ok(200)["id"], first["id"]);
+    let longer = format!("{text}a;50.003;-1;120;4000\n");
+    let next = api.upload(reading, &longer).await.ok(201);
+    for member in ["frame", "start_s", "reading"] {
+        assert_eq!(next[member], first[member], "{member}");
+    }
+    assert_eq!((&next["rows"], &next["end_s"]), (&json!(3), &json!(4.0)));
+    assert_eq!(
+        (first["start_s"].clone(), first["end_s"].clone()),
+        (json!(1.0), json!(3.0))
+    );
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_preview_shows_the_first_rows() {
     let api = Api::start().await;

@@ -68,7 +68,7 @@ test("a mistake in the names of columns is shown at the column and corrected the
     .evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.innerText)));
   assert.deepEqual(shownRows[0].slice(-2), ["10.5", "20.25"]);
   assert.equal(shownRows.length, 3);
-  allowRefusals(page, 422, 1);
+  allowRefusals(page, 422);
   await closePage(page);
 });
 
@@ -83,7 +83,7 @@ test("a value that cannot be read is shown at its column, with its line", async 
   const fault = faultOf(page, "x_m");
   await fault.waitFor();
   assert.match(await fault.innerText(), /expected a number, found 'oops'.*line 3/i);
-  allowRefusals(page, 422, 1);
+  allowRefusals(page, 422);
   await closePage(page);
 });
 
@@ -97,7 +97,7 @@ test("a column that is missing is named in full", async () => {
     .getByText("column 'y_m' is missing", { exact: false })
     .first()
     .waitFor();
-  allowRefusals(page, 422, 1);
+  allowRefusals(page, 422);
   await closePage(page);
 });
 

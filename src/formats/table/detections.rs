@@ -12,6 +12,7 @@ use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
 use super::{Repeats, Table};
+use crate::formats::Units;
 use crate::model::beside::Labels;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
@@ -48,7 +49,7 @@ struct Builder {
     repeats: Repeats,
 }
 
-/// Reads detections.
+/// Reads detections, and tells how the rows fared.
 ///
 /// # Errors
 /// Every fault of the rows.
@@ -57,7 +58,7 @@ pub fn read(
     header: &Header,
     sensors: Vec<SensorSettings>,
     warnings: &mut Vec<String>,
-) -> Result<(Dataset, u64, u64), Vec<Fault>> {
+) -> Result<(Dataset, Units), Vec<Fault>> {
     let columns = Columns::from_header(header);
     let mut reader = RowReader::new(table.rows, header, table.reading);
     let mut builder = Builder {
@@ -72,7 +73,7 @@ pub fn read(
         builder.read_row(&mut reader, &columns);
     }
     let frame = builder.ground.frame(table.reading)?;
-    let (used, repeated) = (reader.count(), builder.repeats.count());
+    let repeated = builder.repeats.count() as u64;
     let base = reader.time_base();
     let repeats = reader.repeats_warning(&builder.repeats);
     let ambiguous = builder.ambiguous;
@@ -83,7 +84,7 @@ pub fn read(
         &mut reader,
         (&columns, frame, table.reading),
     );
-    reader.faults.finish()?;
+    let units = reader.finish(repeated)?;
     let (mut recording, grouping) = grouped?;
     recording.set_time_base(base);
     warnings.extend(told.into_iter().chain(repeats).chain(grouping));
@@ -92,7 +93,7 @@ pub fn read(
             "rows have x_m, y_m and also range_m or bearing_deg: the position is used".to_owned(),
         );
     }
-    Ok((Dataset::Detections(recording), used, repeated as u64))
+    Ok((Dataset::Detections(recording), units))
 }
 
 impl Builder {

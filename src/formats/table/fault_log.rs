@@ -23,6 +23,18 @@ impl FaultLog {
         self.faults.len() >= MAX_FAULTS
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.faults.is_empty()
+    }
+
+    /// The faults so far, after which it is empty; none while it is full.
+    pub fn take(&mut self) -> Vec<Fault> {
+        if self.is_full() {
+            return Vec::new();
+        }
+        std::mem::take(&mut self.faults)
+    }
+
     /// # Errors
     /// The faults in the order of their lines, if there are any; where the log was full, a last one says so.
     pub fn finish(mut self) -> Result<(), Vec<Fault>> {

@@ -1,5 +1,6 @@
 //! Column names: which the kinds of dataset know, what the uploader renamed, what is missing or twice there.
 
+mod guess;
 mod told;
 
 use super::{FaultLog, Rows, units};
@@ -305,8 +306,9 @@ pub fn resolve(
     check_renaming_source(rows, options, &mut faults);
     let Some(kind) = options.kind.or_else(|| kind_of(&names)) else {
         let detail = "the columns do not say what the file holds: tracks need 'track_id', detections 'detection_id' and 'scan', truth 'truth_id'";
+        let cure = cure(rows, &names, None);
         faults.push(
-            rows.header_fault(None, "missing", detail.to_owned())
+            rows.header_fault(None, "missing", format!("{detail}{cure}"))
                 .allowing("tracks, detections, truth"),
         );
         return Err(faults.finish().err().unwrap_or_default());
@@ -316,7 +318,10 @@ pub fn resolve(
     check_duplicates(rows, &names, &mut faults);
     check_missing(rows, schema, kind, &names, &mut faults);
     faults.finish()?;
-    let warnings = warnings(schema, rows.names(), &names);
+    let mut warnings = warnings(schema, rows.names(), &names);
+    if let Some(mapping) = guess::mapping(rows.names(), &names, Some(kind), is_canonical) {
+        warnings.push(format!("columns may be mapped: {mapping}"));
+    }
     Ok((kind, Header { names, scales }, warnings))
 }
 
@@ -430,9 +435,10 @@ fn check_missing(
     names: &[String],
     faults: &mut FaultLog,
 ) {
+    let cure = cure(rows, names, Some(kind));
     let mut missing = |name: &str, detail: String| {
         faults.push(
-            rows.header_fault(Some(name), "missing", detail)
+            rows.header_fault(Some(name), "missing", format!("{detail}{cure}"))
                 .allowing(schema.known()),
         );
     };
@@ -477,6 +483,13 @@ fn check_missing(
                 .to_owned(),
         );
     }
+}
+
+/// What may be meant by names that are not known.
+fn cure(rows: &dyn Rows, names: &[String], kind: Option<DatasetKind>) -> String {
+    guess::mapping(rows.names(), names, kind, is_canonical).map_or(String::new(), |mapping| {
+        format!("; columns may be mapped: {mapping}")
+    })
 }
 
 fn has(names: &[String], name: &str) -> bool {

@@ -9,6 +9,7 @@ mod fault_log;
 mod ground;
 mod header;
 mod interner;
+mod rejects;
 mod repeats;
 mod row;
 mod tracks;
@@ -21,7 +22,7 @@ pub use header::pointer_token;
 pub use interner::Interner;
 pub use repeats::Repeats;
 
-use super::{ReadOptions, ReadOutcome, Reading, Units, layouts};
+use super::{ReadOptions, ReadOutcome, Reading, layouts};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
@@ -74,22 +75,18 @@ pub fn read(
     }
     let reading = Reading::of(&options.options)?;
     let (kind, header, mut warnings) = header::resolve(rows, options)?;
-    let mut units = Units::called(rows.row_word());
     let table = Table {
         rows,
         reading: &reading,
     };
-    let (dataset, total, repeated) = match kind {
+    let (dataset, units) = match kind {
         DatasetKind::Detections => detections::read(table, &header, sensors, &mut warnings)?,
         DatasetKind::Truth => truth::read(table, &header, &mut warnings)?,
         DatasetKind::Tracks => tracks::read(table, &header, &mut warnings)?,
         DatasetKind::BearingTime => return Err(vec![no_table()]),
     };
-    units.use_up(total - repeated);
-    if repeated > 0 {
-        units.ignore("duplicate", repeated);
-    }
-    if total == 0 {
+    warnings.extend(units.rejections());
+    if units.total == 0 {
         warnings.push(format!(
             "there are columns of {} but no rows: the dataset is empty",
             kind.name()

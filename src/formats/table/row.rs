@@ -1,9 +1,10 @@
 //! One row at a time: cells to numbers and names, each fault with its place.
 
 use super::header::Header;
+use super::rejects::Rejects;
 use super::{FaultLog, Repeats, Rows};
-use crate::formats::Reading;
 use crate::formats::clock::{Clock, NoTime};
+use crate::formats::{Reading, Units};
 use crate::model::attributes::Attributes;
 use crate::model::fault::Fault;
 use crate::model::names::{name_fault, shorten};
@@ -21,6 +22,10 @@ pub struct RowReader<'a> {
     count: u64,
     scales: &'a [f64],
     clock: Clock,
+    /// Where rows may be wrong.
+    rejects: Option<Rejects>,
+    /// Those that were read before they were rejected.
+    rejected: u64,
 }
 
 impl<'a> RowReader<'a> {
@@ -28,6 +33,7 @@ impl<'a> RowReader<'a> {
         let time_scale = header
             .find("time_s")
             .map_or(1.0, |column| header.scales()[column]);
+        let word = rows.row_word();
         RowReader {
             rows,
             faults: FaultLog::default(),
@@ -35,12 +41,26 @@ impl<'a> RowReader<'a> {
             count: 0,
             scales: header.scales(),
             clock: Clock::new(reading, time_scale),
+            rejects: Rejects::allowed_by(reading, word),
+            rejected: 0,
         }
     }
 
-    /// How many rows were read.
-    pub fn count(&self) -> u64 {
-        self.count
+    /// How the rows fared, of which some said something again.
+    ///
+    /// # Errors
+    /// Every fault, unless so many rows may be wrong.
+    pub fn finish(self, repeated: u64) -> Result<Units, Vec<Fault>> {
+        self.faults.finish()?;
+        let mut units = Units::called(self.rows.row_word());
+        units.use_up(self.count - self.rejected - repeated);
+        if repeated > 0 {
+            units.ignore("duplicate", repeated);
+        }
+        if let Some(rejects) = self.rejects {
+            rejects.settle(&mut units)?;
+        }
+        Ok(units)
     }
 
     pub fn time_base(&self) -> TimeBase {
@@ -57,15 +77,38 @@ impl<'a> RowReader<'a> {
 
     /// Goes to the next row; `false` at the end, or when there are too many faults.
     pub fn advance(&mut self) -> bool {
+        self.reject_row();
         self.sound = true;
         let is_there = !self.faults.is_full() && self.rows.advance(&mut self.faults);
         self.count += u64::from(is_there);
+        if let Some(rejects) = &mut self.rejects {
+            // Rows that were passed over, each for one fault.
+            for fault in self.faults.take() {
+                rejects.add_row(fault.line.unwrap_or_default(), vec![fault]);
+            }
+        }
         is_there
+    }
+
+    /// Leaves out the row that was read last, where it is wrong and may be.
+    fn reject_row(&mut self) {
+        if let Some(rejects) = &mut self.rejects
+            && !self.faults.is_empty()
+        {
+            let before = rejects.count();
+            rejects.add_row(self.rows.row(), self.faults.take());
+            self.rejected += rejects.count() - before;
+        }
     }
 
     /// Whether nothing was wrong with the current row so far.
     pub fn is_sound(&self) -> bool {
         self.sound
+    }
+
+    /// Whether the current row is wrong, and may be.
+    pub fn is_rejected(&self) -> bool {
+        self.rejects.is_some() && !self.sound
     }
 
     pub fn row(&self) -> u64 {

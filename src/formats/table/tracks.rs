@@ -12,6 +12,7 @@ use super::header::{Header, MODE_COLUMNS};
 use super::interner::Interner;
 use super::row::RowReader;
 use super::{Repeats, Table};
+use crate::formats::Units;
 use crate::formats::disorder::Disorder;
 use crate::geodesy::Stereographic;
 use crate::model::attributes::Attributes;
@@ -84,7 +85,7 @@ struct Builder {
     attributes: Attributes,
 }
 
-/// Reads tracks; also how many rows there were, and how many said something again.
+/// Reads tracks, and tells how the rows fared.
 ///
 /// # Errors
 /// Every fault of the rows.
@@ -92,7 +93,7 @@ pub fn read(
     table: Table,
     header: &Header,
     warnings: &mut Vec<String>,
-) -> Result<(Dataset, u64, u64), Vec<Fault>> {
+) -> Result<(Dataset, Units), Vec<Fault>> {
     let columns = Columns::from_header(header);
     let mut reader = RowReader::new(table.rows, header, table.reading);
     let mut builder = Builder::default();
@@ -104,9 +105,8 @@ pub fn read(
     warnings.extend(reader.told());
     warnings.extend(builder.disorder.warning(reader.row_word()));
     warnings.extend(reader.repeats_warning(&builder.repeats));
-    let (total, base) = (reader.count(), reader.time_base());
-    reader.faults.finish()?;
-    let repeated = builder.repeats.count() as u64;
+    let base = reader.time_base();
+    let units = reader.finish(builder.repeats.count() as u64)?;
     let frame = builder.ground.frame(table.reading)?;
     if let (true, Some(plane)) = (
         columns.estimate.is_geographic(),
@@ -116,7 +116,7 @@ pub fn read(
     }
     let mut set = builder.finish(columns.estimate.space);
     (set.frame, set.time_base) = (frame, base);
-    Ok((Dataset::Tracks(set), total, repeated))
+    Ok((Dataset::Tracks(set), units))
 }
 
 impl Builder {
@@ -128,7 +128,7 @@ impl Builder {
         let point = read_point(reader, columns);
         let modes = read_modes(reader, columns);
         let probability = read_probability(reader, columns);
-        if reader.text(columns.track).is_empty() {
+        if reader.text(columns.track).is_empty() || reader.is_rejected() {
             return;
         }
         let track = self.tracks.number(reader.text(columns.track));
@@ -141,6 +141,9 @@ impl Builder {
         reader.note_attributes(columns.track, &columns.attributes, &mut self.attributes);
         let point = TrackPoint { sensor, ..point };
         let point = self.place(reader, columns, track, point, &modes);
+        if reader.is_rejected() {
+            return;
+        }
         let detection = reader.optional_text(columns.detection);
         if let Some(probability) = probability
             && columns.detection.is_some()

@@ -7,6 +7,7 @@ use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
 use super::{Repeats, Sink, Table};
+use crate::formats::Units;
 use crate::formats::disorder::Disorder;
 use crate::geodesy::Stereographic;
 use crate::model::attributes::Attributes;
@@ -39,7 +40,7 @@ struct Builder {
     attributes: Attributes,
 }
 
-/// Reads truth; also how many rows there were, and how many said something again.
+/// Reads truth, and tells how the rows fared.
 ///
 /// # Errors
 /// Every fault of the rows.
@@ -47,7 +48,7 @@ pub fn read(
     table: Table,
     header: &Header,
     warnings: &mut Vec<String>,
-) -> Result<(Dataset, u64, u64), Vec<Fault>> {
+) -> Result<(Dataset, Units), Vec<Fault>> {
     let columns = Columns {
         time: header.required("time_s"),
         truth: header.required("truth_id"),
@@ -63,12 +64,11 @@ pub fn read(
     warnings.extend(reader.told());
     warnings.extend(builder.disorder.warning(reader.row_word()));
     warnings.extend(reader.repeats_warning(&builder.repeats));
-    let (total, base) = (reader.count(), reader.time_base());
-    reader.faults.finish()?;
-    let repeated = builder.repeats.count() as u64;
+    let base = reader.time_base();
+    let units = reader.finish(builder.repeats.count() as u64)?;
     let mut truth = builder.finish(&columns, &table)?;
     truth.time_base = base;
-    Ok((Dataset::Truth(truth), total, repeated))
+    Ok((Dataset::Truth(truth), units))
 }
 
 impl Builder {

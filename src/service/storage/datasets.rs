@@ -7,13 +7,14 @@ use super::page::{Cursor, Page, push_search};
 use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::formats::FormatOptions;
-use crate::model::dataset::DatasetSummary;
+use crate::model::dataset::{DatasetKind, DatasetSummary};
 use crate::model::facts::RecordingFacts;
 use crate::model::sensor::SensorSettings;
 use crate::service::types::{
     DatasetInfo, DatasetLinks, DatasetOrigin, JobOrigin, JobOriginKind, UploadOrigin,
     UploadOriginKind,
 };
+use serde_json::{Map, Value, json};
 use sqlx::any::AnyRow;
 use sqlx::{AnyConnection, Row};
 use std::collections::BTreeMap;
@@ -233,6 +234,9 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
     let summary: DatasetSummary = serde_json::from_str(row.try_get("summary")?)?;
     let sensors: Vec<SensorSettings> = serde_json::from_str(row.try_get("sensors")?)?;
     let file_name: Option<String> = row.try_get("file_name")?;
+    let format: String = row.try_get("format")?;
+    let columns: BTreeMap<String, String> = serde_json::from_str(row.try_get("columns")?)?;
+    let options: FormatOptions = serde_json::from_str(row.try_get("format_options")?)?;
     let origin = match row.try_get::<Option<&str>, _>("origin_job_id")? {
         Some(job_id) => DatasetOrigin::Job(JobOrigin {
             kind: JobOriginKind::Job,
@@ -243,11 +247,13 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
             file_name: file_name.clone(),
         }),
     };
+    let reading = matches!(origin, DatasetOrigin::Upload(_))
+        .then(|| reading(summary.kind, &format, &columns, &options, &sensors));
     let info = DatasetInfo {
         id,
         name: row.try_get("name")?,
         kind: summary.kind,
-        format: row.try_get("format")?,
+        format,
         bytes: row.try_get::<i64, _>("bytes")?.cast_unsigned(),
         sha256: row.try_get("sha256")?,
         sensor_ids: summary.sensor_ids,
@@ -265,6 +271,10 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
             .map(Into::into)
             .collect(),
         has_truth_id: summary.facts.as_ref().map(|facts| facts.origins_known),
+        frame: summary.frame,
+        time_base: summary.time_base,
+        units: summary.units,
+        reading,
         origin,
         warnings: serde_json::from_str(row.try_get("warnings")?)?,
         created_at: from_micros(row.try_get("created_at")?)?,
@@ -273,10 +283,35 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
     };
     Ok(StoredDataset {
         info,
-        columns: serde_json::from_str(row.try_get("columns")?)?,
-        options: serde_json::from_str(row.try_get("format_options")?)?,
+        columns,
+        options,
         file_name,
         facts: summary.facts,
         deleted: row.try_get::<i64, _>("deleted")? != 0,
     })
+}
+
+/// What an upload said that was read so, but for its name.
+fn reading(
+    kind: DatasetKind,
+    format: &str,
+    columns: &BTreeMap<String, String>,
+    options: &FormatOptions,
+    sensors: &[SensorSettings],
+) -> Map<String, Value> {
+    let mut said = Map::new();
+    said.insert("kind".to_owned(), json!(kind));
+    said.insert("format".to_owned(), json!(format));
+    if !columns.is_empty() {
+        said.insert("columns".to_owned(), json!(columns));
+    }
+    said.extend(
+        options
+            .iter()
+            .map(|(name, value)| (name.clone(), value.clone())),
+    );
+    if !sensors.is_empty() {
+        said.insert("sensors".to_owned(), json!(sensors));
+    }
+    said
 }

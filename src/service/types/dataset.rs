@@ -3,8 +3,12 @@
 pub use crate::model::dataset::DatasetKind;
 use crate::model::facts::SensorFacts;
 pub use crate::model::sensor::SensorSettings;
+use crate::model::space::Frame;
+use crate::model::time::TimeBase;
+use crate::model::units::Units;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use utoipa::ToSchema;
 use uuid::Uuid;
 
@@ -113,6 +117,21 @@ pub struct DatasetInfo {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub has_truth_id: Option<bool>,
+    /// Where on the Earth its origin is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub frame: Option<Frame>,
+    /// What its times count from.
+    #[serde(default)]
+    pub time_base: TimeBase,
+    /// How the units of the uploaded file fared; absent of what a job made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub units: Option<Units>,
+    /// How the uploaded file was read: what another upload says in `meta` to be read likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<Object>)]
+    pub reading: Option<Map<String, Value>>,
     pub origin: DatasetOrigin,
     pub warnings: Vec<String>,
     #[schema(value_type = String, format = DateTime)]

@@ -12,6 +12,7 @@ import type {
   DatasetPage,
   DatasetPreview,
   Gates,
+  Inspection,
   Job,
   JobKind,
   JobPage,
@@ -207,10 +208,24 @@ export function createJob(kind: JobKind, body: Record<string, unknown>): Promise
 }
 
 /** The meta part goes first, so that the service can read the file as it comes. */
-export function uploadDataset(meta: object, file: File): Promise<Dataset> {
+function uploadForm(meta: object, file: File) {
   const form = new FormData();
   form.append("meta", new Blob([JSON.stringify(meta)], { type: "application/json" }));
   form.append("file", file, file.name);
   const body = form as unknown as components["schemas"]["DatasetUpload"];
-  return taken(client.POST("/v1/datasets", { body, bodySerializer: () => form }));
+  return { body, bodySerializer: () => form };
+}
+
+export const uploadDataset = (meta: object, file: File): Promise<Dataset> =>
+  taken(client.POST("/v1/datasets", uploadForm(meta, file)));
+
+/** What an upload of the file would give; nothing of it is kept. */
+export async function inspectDataset(
+  meta: object,
+  file: File,
+  signal: AbortSignal,
+): Promise<Inspection> {
+  const dry = "/v1/datasets?dry_run=true" as "/v1/datasets";
+  const answer = await taken(client.POST(dry, { ...uploadForm(meta, file), signal }));
+  return answer as unknown as Inspection;
 }

@@ -12,7 +12,13 @@ export type CampaignSoFar = Schemas["CampaignSoFar"];
 export type Comparison = Schemas["Comparison"];
 export type CorrelationTuple = Schemas["CorrelationTuple"];
 export type CorrelateResult = Schemas["CorrelateResult"];
-export type Dataset = Schemas["DatasetInfo"];
+/** The last two are of later versions than some data sets. */
+export type Dataset = Schemas["DatasetInfo"] & {
+  /** How the units of the file fared. */
+  units?: Units;
+  /** What its upload said of it, without the name. */
+  reading?: Record<string, unknown>;
+};
 export type DatasetPage = Schemas["DatasetPage"];
 export type DatasetPreview = Schemas["DatasetPreview"];
 export type EventCounts = Schemas["EventCounts"];
@@ -35,6 +41,47 @@ export type TargetVerdict = Schemas["TfaTarget"];
 export type Tfa = Schemas["Tfa"];
 export type TrackProbability = Schemas["TrackProbabilitySeries"];
 export type Validation = Schemas["ValidationResult"];
+
+/** How the units of a file fared; used, ignored and rejected add up to the total. */
+export interface Units {
+  /** What a unit is: a line, a row, a sentence. */
+  called: string;
+  total: number;
+  used: number;
+  ignored: Record<string, number>;
+  /** With the numbers of the first ones. */
+  rejected: Record<string, { count: number; first: number[] }>;
+}
+
+export interface InspectedSensor {
+  sensor_id: string;
+  scans: number;
+  detections: number;
+  lat_deg?: number;
+  lon_deg?: number;
+  period_s?: number;
+}
+
+/** What a file holds, looked at and not kept. */
+export interface Inspection {
+  kind: Dataset["kind"];
+  format: string;
+  units: Units;
+  scans: number;
+  rows: number;
+  objects: number;
+  sensors: InspectedSensor[];
+  time_base: "utc" | "assumed_date" | "relative";
+  time?: { start_s: number; end_s: number };
+  frame?: Schemas["Frame"];
+  area?: { x_m: Span; y_m: Span; lat_deg?: Span; lon_deg?: Span };
+  warnings: string[];
+  suspicions: string[];
+  /** A job to start from, which names the file by its path. */
+  job: Record<string, unknown> & { kind: JobKind };
+}
+
+type Span = [number, number];
 
 /**
  * A problem of the service, or one that the dashboard states itself (the service cannot be

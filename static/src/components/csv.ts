@@ -8,10 +8,10 @@ export interface CsvTable {
 }
 
 /**
- * RFC 4180: fields divided by commas, quoted where they hold commas, quotes or line ends. At most
- * `limit` rows below the header.
+ * RFC 4180: fields divided by commas or another separator, quoted where they hold separators,
+ * quotes or line ends. At most `limit` rows below the header.
  */
-export function parseCsv(text: string, limit = Infinity): CsvTable {
+export function parseCsv(text: string, limit = Infinity, separator = ","): CsvTable {
   const lines: string[][] = [];
   let row: string[] = [];
   let at = 0;
@@ -19,11 +19,11 @@ export function parseCsv(text: string, limit = Infinity): CsvTable {
     let field: string;
     if (text[at] === '"') [field, at] = quoted(text, at + 1);
     else {
-      const end = endOf(text, at);
+      const end = endOf(text, at, separator);
       [field, at] = [text.slice(at, end), end];
     }
     row.push(field);
-    if (text[at] === ",") {
+    if (text[at] === separator) {
       at += 1;
       if (at < text.length) continue;
       row.push("");
@@ -37,9 +37,9 @@ export function parseCsv(text: string, limit = Infinity): CsvTable {
   return { columns, rows: rows.slice(0, limit) };
 }
 
-function endOf(text: string, from: number): number {
+function endOf(text: string, from: number, separator: string): number {
   let end = from;
-  while (end < text.length && text[end] !== "," && text[end] !== "\n" && text[end] !== "\r")
+  while (end < text.length && text[end] !== separator && text[end] !== "\n" && text[end] !== "\r")
     end += 1;
   return end;
 }

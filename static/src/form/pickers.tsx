@@ -65,7 +65,9 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
           Upload a file
         </button>
       </div>
-      {uploading ? <Upload id={fieldId(pointer)} expected={role} done={uploaded} /> : null}
+      {uploading ? (
+        <Upload id={fieldId(pointer)} expected={role} dropped={null} done={uploaded} />
+      ) : null}
       {sets.error ? <ProblemBox error={sets.error} retry={sets.reload} /> : null}
     </div>
   );

@@ -83,6 +83,25 @@ export function childPointer(pointer: string, key: string | number): string {
   return `${pointer}/${String(key).replaceAll("~", "~0").replaceAll("/", "~1")}`;
 }
 
+/** A token of a JSON pointer as the name that it stands for. */
+export const unescaped = (token: string): string =>
+  token.replaceAll("~1", "/").replaceAll("~0", "~");
+
+/**
+ * The field of the form for a place in the request: the place itself, or the nearest part above it
+ * that is not there.
+ */
+export function shownPointer(pointer: string, spec: unknown): string {
+  let shown = "";
+  let value = spec;
+  for (const token of pointer.split("/").slice(1)) {
+    if (!isObject(value) && !Array.isArray(value)) return shown;
+    shown += `/${token}`;
+    value = (value as JsonObject)[unescaped(token)];
+  }
+  return shown;
+}
+
 export function fieldId(pointer: string): string {
   return `field${pointer.replaceAll("/", "-").replace(/[^\w-]/g, "_")}`;
 }

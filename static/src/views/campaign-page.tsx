@@ -13,7 +13,7 @@ import { param } from "../state/url";
 import { axesOf } from "./campaign-axes";
 import type { Campaign } from "./campaign-parts";
 import { JobCampaign } from "./job-campaign";
-import { type TabName, Tabs, Waiting } from "./job-parts";
+import { leftRuns, mayHaveRuns, type TabName, Tabs, Waiting } from "./job-parts";
 import { JobSpec } from "./job-spec";
 import { Inputs, Timing, Warnings } from "./job-summary";
 
@@ -40,22 +40,6 @@ function campaignOf(
     times,
     file: job.id.slice(-12),
   };
-}
-
-/** Runs that are made, of this job or of the one that it runs again. */
-function mayHaveRuns(job: Job): boolean {
-  return (
-    (job.progress?.done ?? 0) > 0 || (!isActive(job) && Boolean(job.rerun_of && job.started_at))
-  );
-}
-
-/** Whether runs were made that a rerun takes over. */
-export function leftRuns(job: Job): boolean {
-  return (
-    job.kind === "campaign" &&
-    (job.state === "failed" || job.state === "canceled") &&
-    mayHaveRuns(job)
-  );
 }
 
 interface SoFar {

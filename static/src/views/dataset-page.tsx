@@ -6,10 +6,13 @@ import { deleteDataset, getDataset, getDatasetAs, previewDataset } from "../api/
 import type { Cell, Dataset, DatasetPreview, SensorSettings } from "../api/types";
 import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
 import { cellOf } from "../components/csv";
+import { type Fact, FactList, Facts } from "../components/facts";
 import { useResource } from "../components/resource";
 import { saveBlob } from "../components/save";
 import { DataTable } from "../components/table";
 import { TableFrame } from "../components/table-frame";
+import { UnitsTable } from "../components/units-table";
+import { isObject } from "../form/schema";
 import { bytes, count, number, plural, words } from "../format";
 import { go, pageHref } from "../state/url";
 import { originOf, timeText, utcText } from "../times";
@@ -92,6 +95,13 @@ function Found({ dataset }: { dataset: Dataset }): JSX.Element {
           <Contents dataset={dataset} />
           <Provenance dataset={dataset} />
           {dataset.sensors.length ? <Sensors sensors={dataset.sensors} /> : null}
+          {dataset.units ? (
+            <section class="panel">
+              <h2>Units of the file</h2>
+              <UnitsTable units={dataset.units} />
+            </section>
+          ) : null}
+          <Reading dataset={dataset} />
         </div>
         <Preview dataset={dataset} />
       </div>
@@ -122,22 +132,6 @@ function SaveAs(props: { dataset: Dataset; failed: (error: unknown) => void }): 
   );
 }
 
-function Facts({ title, rows }: { title: string; rows: [string, string][] }): JSX.Element {
-  return (
-    <section class="panel">
-      <h2>{title}</h2>
-      <dl class="facts">
-        {rows.map(([name, value]) => (
-          <>
-            <dt>{name}</dt>
-            <dd>{value}</dd>
-          </>
-        ))}
-      </dl>
-    </section>
-  );
-}
-
 /** When the data begin or end: as UTC where the clock says that, else in its seconds. */
 function momentText(time_s: number | undefined, start_s: number | undefined): string {
   if (time_s === undefined) return "–";
@@ -147,7 +141,7 @@ function momentText(time_s: number | undefined, start_s: number | undefined): st
 
 function Contents({ dataset }: { dataset: Dataset }): JSX.Element {
   const { start_s, end_s } = dataset;
-  const rows: [string, string][] = [
+  const rows: Fact[] = [
     ["Kind", words(dataset.kind)],
     ["Rows", count(dataset.rows)],
     ["Scans", dataset.scans ? count(dataset.scans) : "–"],
@@ -167,33 +161,51 @@ function Contents({ dataset }: { dataset: Dataset }): JSX.Element {
 
 function Provenance({ dataset }: { dataset: Dataset }): JSX.Element {
   const { origin } = dataset;
+  const from =
+    origin.kind === "job" ? (
+      <Link href={pageHref({ view: "job", job: origin.job_id })}>
+        job {origin.job_id.slice(-12)}
+      </Link>
+    ) : (
+      `upload${origin.file_name ? ` of ${origin.file_name}` : ""}`
+    );
+  const rows: Fact[] = [
+    ["Origin", from],
+    ["Created", `${dataset.created_at.slice(0, 19).replace("T", " ")} UTC`],
+    ["Format", dataset.format],
+    ["Size", bytes(dataset.bytes)],
+    [
+      "sha256",
+      <span class="mono" title={dataset.sha256}>
+        {dataset.sha256.slice(0, 16)}…
+      </span>,
+    ],
+  ];
+  return <Facts title="Provenance" rows={rows} />;
+}
+
+/** What the upload said of its file, for the next one. */
+function Reading({ dataset }: { dataset: Dataset }): JSX.Element | null {
+  const { id, reading } = dataset;
+  if (!reading || !Object.keys(reading).length) return null;
   return (
     <section class="panel">
-      <h2>Provenance</h2>
-      <dl class="facts">
-        <dt>Origin</dt>
-        <dd>
-          {origin.kind === "job" ? (
-            <Link href={pageHref({ view: "job", job: origin.job_id })}>
-              job {origin.job_id.slice(-12)}
-            </Link>
-          ) : (
-            `upload${origin.file_name ? ` of ${origin.file_name}` : ""}`
-          )}
-        </dd>
-        <dt>Created</dt>
-        <dd>{dataset.created_at}</dd>
-        <dt>Format</dt>
-        <dd>{dataset.format}</dd>
-        <dt>Size</dt>
-        <dd>{bytes(dataset.bytes)}</dd>
-        <dt>sha256</dt>
-        <dd class="mono" title={dataset.sha256}>
-          {dataset.sha256.slice(0, 16)}…
-        </dd>
-      </dl>
+      <h2>How the file was read</h2>
+      <FactList facts={Object.entries(reading).flatMap(told)} />
+      <p class="row">
+        <Link class="button" href={pageHref({ view: "datasets", upload: 1, like: id })}>
+          Use for another file
+        </Link>
+      </p>
     </section>
   );
+}
+
+/** A part of a reading; of columns, each by itself. */
+function told([name, value]: [string, unknown]): Fact[] {
+  if (name === "columns" && isObject(value))
+    return Object.entries(value).map(([from, to]): Fact => [from, String(to)]);
+  return [[name, typeof value === "object" ? JSON.stringify(value) : String(value)]];
 }
 
 function Sensors({ sensors }: { sensors: SensorSettings[] }): JSX.Element {

@@ -10,6 +10,7 @@ import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { Upload } from "../form/upload";
 import { bytes, count, moment, plural } from "../format";
 import { go, pageHref, param, setParams } from "../state/url";
+import { useDrop } from "../upload/drop";
 
 const KINDS = ["detections", "truth", "tracks", "bearing_time"];
 const PAGE = 50;
@@ -56,16 +57,24 @@ export function Datasets(): JSX.Element {
       error.value = failure;
     }
   };
+  const dropped = useSignal<File | undefined>(undefined);
+  const isOver = useDrop(([first]) => {
+    dropped.value = first;
+    setParams({ upload: "1" });
+  });
   const uploading = param("upload") === "1";
   return (
-    <section>
+    <section class={isOver ? "drop-page over" : "drop-page"}>
       <div class="title-row">
         <h1>Data sets</h1>
         <button
           type="button"
           class="primary"
           aria-expanded={uploading}
-          onClick={() => setParams({ upload: uploading ? null : "1" })}
+          onClick={() => {
+            dropped.value = undefined;
+            setParams({ upload: uploading ? null : "1", like: null });
+          }}
         >
           <Icon name="plus" /> Upload a file
         </button>
@@ -74,6 +83,9 @@ export function Datasets(): JSX.Element {
         <Upload
           id="upload"
           expected={undefined}
+          dropped={dropped.value}
+          like={param("like") ?? undefined}
+          unlike={() => setParams({ like: null })}
           done={(dataset) => go(pageHref({ view: "dataset", dataset: dataset.id }))}
         />
       ) : null}
@@ -161,7 +173,7 @@ function List({ listing, more }: { listing: Listing; more: () => void }): JSX.El
           param("kind") || param("q") ? "No data set matches these filters." : "No data sets yet."
         }
       >
-        <p>Upload a recording, or run a job: what it makes is kept here, too.</p>
+        <p>Drop a recording on this page, or run a job: what it makes is kept here, too.</p>
       </Empty>
     );
   }

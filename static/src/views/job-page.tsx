@@ -7,15 +7,13 @@ import { useEffect, useMemo } from "preact/hooks";
 import { ApiError, cancelJob, getPlan, getReport, getScanCounts, rerunJob } from "../api/client";
 import { type Job, partsOf, type Report } from "../api/types";
 import { Empty, Link, Loading, ProblemBox, StateBadge } from "../components/basics";
+import { later } from "../components/later";
 import { useResource } from "../components/resource";
 import { duration, moment, seconds } from "../format";
 import { followJob, isActive } from "../state/live";
 import { go, hereHref, pageHref, param } from "../state/url";
-import { CampaignPage, leftRuns } from "./campaign-page";
-import { JobCorrelation } from "./job-correlation";
 import { JobMetrics } from "./job-metrics";
-import { type TabName, Tabs, Waiting } from "./job-parts";
-import { hasTrace, JobSearch } from "./job-search";
+import { leftRuns, type TabName, Tabs, Waiting } from "./job-parts";
 import { JobSpec } from "./job-spec";
 import { JobSummary, SCANLESS } from "./job-summary";
 import { JobVerdicts } from "./job-verdicts";
@@ -185,12 +183,23 @@ function askAhead(job: Job): void {
   answer?.catch(() => undefined);
 }
 
-/** Its code comes with the first job that is looked at: lists do without. */
-function Plan(props: { job: Job; report: Report }): JSX.Element {
-  const { data, error, reload } = useResource(() => import("./job-pictures"), []);
-  if (error) return <ProblemBox error={error} retry={reload} />;
-  return data ? <data.JobPictures {...props} /> : <Loading what="the plan" />;
+/** Whether a search wrote down its way. */
+function hasTrace(report: Report): boolean {
+  const { association, grouping } = partsOf(report);
+  return association?.diagnostics !== undefined || grouping?.search !== undefined;
 }
+
+// Lists do without the code of these, and most jobs without that of all but the plan.
+const CampaignPage = later(
+  "the campaign",
+  async () => (await import("./campaign-page")).CampaignPage,
+);
+const Plan = later("the plan", async () => (await import("./job-pictures")).JobPictures);
+const JobCorrelation = later(
+  "the tuples",
+  async () => (await import("./job-correlation")).JobCorrelation,
+);
+const JobSearch = later("the search", async () => (await import("./job-search")).JobSearch);
 
 function Result({ job }: { job: Job }): JSX.Element {
   useEffect(() => askAhead(job), [job.id]);

@@ -3,6 +3,7 @@
 import type { JSX } from "preact";
 import type { Job } from "../api/types";
 import { Link, ProgressBar } from "../components/basics";
+import { isActive } from "../state/live";
 import { hereHref, pageHref } from "../state/url";
 
 function waitingFor(job: Job): string {
@@ -66,5 +67,21 @@ export function Tabs({
         </Link>
       ))}
     </nav>
+  );
+}
+
+/** Runs that are made, of this job or of the one that it runs again. */
+export function mayHaveRuns(job: Job): boolean {
+  return (
+    (job.progress?.done ?? 0) > 0 || (!isActive(job) && Boolean(job.rerun_of && job.started_at))
+  );
+}
+
+/** Whether runs were made that a rerun takes over. */
+export function leftRuns(job: Job): boolean {
+  return (
+    job.kind === "campaign" &&
+    (job.state === "failed" || job.state === "canceled") &&
+    mayHaveRuns(job)
   );
 }

@@ -19,11 +19,6 @@ import { type Iteration, type Problem, readTrace } from "./search-trace";
 const TRACES = ["association_trace.csv", "grouping_trace.csv"];
 const PROBLEMS_LISTED = 2000;
 
-export function hasTrace(report: Report): boolean {
-  const { association, grouping } = partsOf(report);
-  return association?.diagnostics !== undefined || grouping?.search !== undefined;
-}
-
 async function loadTrace(id: string): Promise<ReturnType<typeof readTrace> | null> {
   const file = (await listArtifacts(id)).find((artifact) => TRACES.includes(artifact.name));
   return file ? readTrace(await getArtifactText(id, file.name)) : null;

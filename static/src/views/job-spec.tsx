@@ -1,11 +1,11 @@
 // What was asked and what came out: the request as the service understood it, and the files of the
 // result.
 
-import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";
 import { listArtifacts } from "../api/client";
 import type { Job, Report } from "../api/types";
 import { Icon, Loading, ProblemBox } from "../components/basics";
+import { CopyButton } from "../components/copy";
 import { useResource } from "../components/resource";
 import { saveText } from "../components/save";
 import { HeadRow, numberHead } from "../components/table-parts";
@@ -43,21 +43,6 @@ export function JobSpec({ job, report }: { job: Job; report: Report }): JSX.Elem
         </pre>
       </section>
     </div>
-  );
-}
-
-function CopyButton({ text }: { text: string }): JSX.Element {
-  const label = useSignal("Copy");
-  const copy = () => {
-    navigator.clipboard.writeText(text).then(
-      () => (label.value = "Copied"),
-      () => (label.value = "Copying is not allowed here"),
-    );
-  };
-  return (
-    <button type="button" class="quiet" onClick={copy}>
-      {label.value}
-    </button>
   );
 }
 

@@ -19,7 +19,7 @@ import { asProblem, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { Fields } from "../form/composite";
 import { FormContext } from "../form/context";
-import { initial, isObject, type JsonObject, resolve } from "../form/schema";
+import { initial, isObject, type JsonObject, resolve, shownPointer } from "../form/schema";
 import { capital } from "../format";
 import { go, hereHref, pageHref, param, setParams } from "../state/url";
 import {
@@ -29,7 +29,6 @@ import {
   faultsOf,
   RequestCheck,
   showField,
-  shownPointer,
 } from "./request-check";
 
 /** Where to begin without a preset; `parts` are optional fields that most such requests need. */
@@ -60,7 +59,8 @@ export function NewJob(): JSX.Element {
   if (catalogue.error) return <ProblemBox error={catalogue.error} retry={catalogue.reload} />;
   if (!catalogue.data) return <Loading what="the catalogue" />;
   const [methods, presets, former] = catalogue.data;
-  const preset = former ?? presets.find((entry) => entry.name === param("preset"));
+  const preset =
+    former ?? presets.find((entry) => entry.name === param("preset")) ?? proposedStart();
   const kind = preset?.kind ?? BLANK.find((entry) => entry.kind === param("kind"))?.kind;
   return (
     <section>
@@ -93,6 +93,22 @@ async function jobAsStart(id: string): Promise<Start> {
     body: { ...body, ...label },
   };
   return job.error ? { ...start, failure: new ApiError(job.error) } : start;
+}
+
+/** The job that the address holds, as one that was proposed for a file. */
+function proposedStart(): Start | undefined {
+  const kind = BLANK.find((entry) => entry.kind === param("kind"))?.kind;
+  const body = parsed(param("body"));
+  if (!kind || !isObject(body)) return undefined;
+  return { name: capital(kind), summary: "A job to start from, made for a file.", kind, body };
+}
+
+function parsed(text: string | null): unknown {
+  try {
+    return JSON.parse(text ?? "");
+  } catch {
+    return undefined;
+  }
 }
 
 function Card({

@@ -5,7 +5,7 @@ import type { JSX } from "preact";
 import type { ApiError } from "../api/client";
 import type { Fault, Validation } from "../api/types";
 import { asProblem, FaultText, Icon, ProblemBox } from "../components/basics";
-import { fieldId, isObject, type JsonObject } from "../form/schema";
+import { fieldId, isObject, type JsonObject, shownPointer } from "../form/schema";
 import { bytes, count, duration } from "../format";
 
 /** An answer, and the request that it is of. */
@@ -42,23 +42,6 @@ export function faultsOf(checked: Checked | undefined, failed: Failed | undefine
     const key = `${pointer}\u0000${detail}`;
     return known.has(key) ? false : known.add(key);
   });
-}
-
-const unescaped = (token: string): string => token.replaceAll("~1", "/").replaceAll("~0", "~");
-
-/**
- * The field of the form for a place in the request: the place itself, or the nearest part above it
- * that is not there.
- */
-export function shownPointer(pointer: string, spec: unknown): string {
-  let shown = "";
-  let value = spec;
-  for (const token of pointer.split("/").slice(1)) {
-    if (!isObject(value) && !Array.isArray(value)) return shown;
-    shown += `/${token}`;
-    value = (value as JsonObject)[unescaped(token)];
-  }
-  return shown;
 }
 
 export function showField(pointer: string): void {

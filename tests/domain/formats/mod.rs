@@ -7,6 +7,7 @@ mod bearings;
 mod columnar;
 mod csv_faults;
 mod csv_values;
+mod cures;
 mod hostile;
 mod json;
 mod mot;

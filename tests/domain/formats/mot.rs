@@ -1,8 +1,10 @@
 //! MOTChallenge text: values, what truth leaves out, and every fault with its line.
 
 use super::*;
-use trackloom_domain::formats::write_mot;
+use serde_json::json;
+use trackloom_domain::formats::{FormatOptions, write_mot};
 use trackloom_domain::model::boxes::{BoxSet, ObjectBox};
+use trackloom_domain::model::scan::Measurement;
 
 fn read_as(kind: DatasetKind, text: &str) -> Result<ReadOutcome, Vec<Fault>> {
     read_with("mot", text, &of_kind(kind))
@@ -57,10 +59,21 @@ fn truth_leaves_out_confidence_zero_and_other_classes() {
     let outcome = read_as(DatasetKind::Truth, text).expect("the text is sound");
     assert_eq!(boxes(&outcome).object_ids(), ["1", "4"]);
     let expected = [
-        "2 rows of truth with confidence 0 were left out",
-        "1 rows of truth in classes other than 1 (pedestrian), on which tracks count as false, were left out",
+        "2 lines of truth are left out (confidence 0 or another class): tracks on them are false",
+        "1 lines of truth are left out (distractor): tracks on them are forgiven",
     ];
     assert_eq!(outcome.warnings, expected);
+    let forgiving: Vec<bool> = boxes(&outcome)
+        .others()
+        .iter()
+        .map(|other| other.forgives)
+        .collect();
+    assert_eq!(forgiving, [false, true, false]);
+    let units = &outcome.units;
+    assert_eq!(
+        (units.total, units.used, units.ignored["distractor"]),
+        (5, 2, 1)
+    );
     // Tracks keep them all, but for the object twice in a frame.
     let faults = read_as(DatasetKind::Tracks, text).expect_err("object 2 is in frame 1 twice");
     assert_eq!(
@@ -133,13 +146,13 @@ fn the_uploader_says_which_kind_it_is() {
         "missing",
         "files in the format 'mot' do not say what they hold",
     )
-    .allowing("truth, tracks");
+    .allowing("truth, tracks, detections");
     assert_eq!(
         read("mot", "1,1,0,0,5,5\n").expect_err("no kind"),
         [missing]
     );
-    let faults = read_as(DatasetKind::Detections, "1,-1,0,0,5,5\n")
-        .expect_err("detections have no identity");
+    let faults = read_as(DatasetKind::BearingTime, "1,-1,0,0,5,5\n")
+        .expect_err("boxes are no bearing-time record");
     assert_eq!(
         (faults[0].pointer.as_str(), faults[0].code.as_str()),
         ("/meta/kind", "unsupported")
@@ -174,4 +187,31 @@ fn what_is_written_reads_back() {
         .expect("what was written is sound");
     assert_eq!(again.dataset, outcome.dataset);
     assert!(written.starts_with(b"1,1,0.1,-2.5,3,4,1,-1,-1,-1\n1,12,1e-7,0,5.25,6,0.5,-1,-1,-1\n"));
+}
+
+/// As detectors write it: no identity, frames that may be missing, boxes from the left and top.
+#[test]
+fn what_a_detector_found_becomes_detections() {
+    let text = "3,-1,10,20,4,6,0.5,-1,-1,-1\n1,-1,0,0,2,2,-0.25\n3,-1,100,0,10,10,0.9\n";
+    let mut options = of_kind(DatasetKind::Detections);
+    options.options = FormatOptions::from_iter([("frame_s".to_owned(), json!(0.04))]);
+    let recording = recording(read_with("mot", text, &options).expect("the text is sound"));
+    let found: Vec<_> = recording
+        .scans
+        .iter()
+        .map(|scan| (scan.number, scan.time_s, scan.detections.len()))
+        .collect();
+    assert_eq!(found, [(1, 0.0, 1), (3, 0.08, 2)]);
+    let places: Vec<_> = recording
+        .detections()
+        .map(|detection| (detection.measurement, detection.amplitude))
+        .collect();
+    let at = |x_m, y_m| Measurement::Position { x_m, y_m };
+    let expected = [
+        (at(1.0, -1.0), Some(-0.25)),
+        (at(12.0, -23.0), Some(0.5)),
+        (at(105.0, -5.0), Some(0.9)),
+    ];
+    assert_eq!(places, expected);
+    assert_eq!(recording.detection_ids, ["1.1", "3.1", "3.2"]);
 }
