@@ -74,9 +74,10 @@ pub struct TimeSpan {
 pub struct Area {
     pub x_m: [f64; 2],
     pub y_m: [f64; 2],
-    /// Of the corners of the box, where the data have an origin.
+    /// From south to north, where the data have an origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lat_deg: Option<[f64; 2]>,
+    /// From west to east; the first is the greater one of data across 180°.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lon_deg: Option<[f64; 2]>,
 }
@@ -180,11 +181,24 @@ fn area_of(places_m: &[Position], frame: Option<Frame>) -> Option<Area> {
         lon_deg: None,
     };
     if let Some(frame) = frame {
-        let plane = Stereographic::from(frame);
-        let (south_deg, west_deg) = plane.unproject(&least);
-        let (north_deg, east_deg) = plane.unproject(&most);
-        area.lat_deg = Some([south_deg, north_deg]);
-        area.lon_deg = Some([west_deg, east_deg]);
+        let [lat_deg, lon_deg] = spans_deg(places_m, frame);
+        (area.lat_deg, area.lon_deg) = (Some(lat_deg), Some(lon_deg));
     }
     Some(area)
+}
+
+/// Least and greatest latitude, and westernmost and easternmost longitude as seen from the origin.
+fn spans_deg(places_m: &[Position], frame: Frame) -> [[f64; 2]; 2] {
+    let plane = Stereographic::from(frame);
+    let middle_deg = frame.longitude_deg();
+    let mut lat_deg = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut east_deg = lat_deg;
+    for place_m in places_m {
+        let (lat, lon) = plane.unproject(place_m);
+        let east = (lon - middle_deg + 540.0).rem_euclid(360.0) - 180.0;
+        lat_deg = [lat_deg[0].min(lat), lat_deg[1].max(lat)];
+        east_deg = [east_deg[0].min(east), east_deg[1].max(east)];
+    }
+    let lon_deg = east_deg.map(|east| (east + middle_deg + 540.0).rem_euclid(360.0) - 180.0);
+    [lat_deg, lon_deg]
 }

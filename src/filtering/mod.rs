@@ -193,24 +193,19 @@ impl AnyFilter {
                 reports,
             } => (motion, way, reports),
         };
+        // Every filter compiles all that tracks: only the usual motion has one of its own, the others share one a size of state.
         match motion {
             AnyMotion::ConstantVelocity(motion) => {
                 work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports))
             }
-            AnyMotion::ConstantAcceleration(motion) => {
-                work.in_plane(GaussianFilter::<_, 6, 4>::new(motion, way, reports))
+            AnyMotion::CoordinatedTurn(_) | AnyMotion::OrnsteinUhlenbeck(_) => {
+                work.in_plane(GaussianFilter::<AnyMotion, 4, 4>::new(motion, way, reports))
             }
-            AnyMotion::CoordinatedTurn(motion) => {
-                work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports))
+            AnyMotion::UnknownTurn(_) => {
+                work.in_plane(GaussianFilter::<AnyMotion, 5, 4>::new(motion, way, reports))
             }
-            AnyMotion::UnknownTurn(motion) => {
-                work.in_plane(GaussianFilter::<_, 5, 4>::new(motion, way, reports))
-            }
-            AnyMotion::Singer(motion) => {
-                work.in_plane(GaussianFilter::<_, 6, 4>::new(motion, way, reports))
-            }
-            AnyMotion::OrnsteinUhlenbeck(motion) => {
-                work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports))
+            AnyMotion::ConstantAcceleration(_) | AnyMotion::Singer(_) => {
+                work.in_plane(GaussianFilter::<AnyMotion, 6, 4>::new(motion, way, reports))
             }
         }
     }

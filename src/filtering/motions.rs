@@ -1,6 +1,7 @@
 //! The motion models of targets in the plane, as a request chooses them.
 
 use super::PROCESS_NOISE;
+use super::imm::ModeStep;
 use crate::model::motion::Motion;
 use crate::model::motion::constant_acceleration::ConstantAcceleration;
 use crate::model::motion::constant_velocity::ConstantVelocity;
@@ -8,6 +9,7 @@ use crate::model::motion::coordinated_turn::CoordinatedTurn;
 use crate::model::motion::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::model::motion::singer::Singer;
 use crate::model::motion::unknown_turn::UnknownTurn;
+use crate::model::state::GaussianState;
 use crate::registry::{Field, Kind, Object, Union, above, default, number, required, variant};
 use serde::Deserialize;
 
@@ -20,6 +22,28 @@ pub enum AnyMotion {
     UnknownTurn(UnknownTurn),
     Singer(Singer),
     OrnsteinUhlenbeck(OrnsteinUhlenbeck),
+}
+
+/// Of states that have the variables of the model.
+impl<const N: usize> Motion<N> for AnyMotion {
+    type Step = ModeStep;
+
+    fn step(&self, dt_s: f64) -> ModeStep {
+        ModeStep::new(self, dt_s)
+    }
+
+    #[inline]
+    fn predict(step: &ModeStep, belief: &mut GaussianState<N>) {
+        step.predict(belief);
+    }
+
+    fn initial_sigma(&self) -> f64 {
+        AnyMotion::initial_sigma(self)
+    }
+
+    fn rate_variance(&self, dt_s: f64) -> f64 {
+        AnyMotion::rate_variance(self, dt_s)
+    }
 }
 
 /// The same as a request says it.

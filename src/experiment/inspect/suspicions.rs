@@ -146,9 +146,12 @@ fn jumps(steps: &[Step]) -> Option<String> {
         .filter(|step| step.way_m / step.time_s.max(1.0) > SOUND_MPS)
         .collect();
     let first = fast.first()?;
-    let count = fast.len();
+    let count = match fast.len() {
+        1 => "1 step is".to_owned(),
+        count => format!("{count} steps are"),
+    };
     Some(format!(
-        "{count} steps are faster than sound, the first of {:.0} m in {} s at {} s",
+        "{count} faster than sound, the first of {:.0} m in {} s at {} s",
         first.way_m, first.time_s, first.at_s
     ))
 }

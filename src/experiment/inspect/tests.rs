@@ -96,3 +96,18 @@ fn jumps_and_unix_times_are_told() {
         found.suspicions
     );
 }
+
+/// The corners of the box around the places say little of a wide area, and nothing of one across 180°.
+#[test]
+fn latitudes_and_longitudes_are_those_of_the_data() {
+    let rows = ["10,170", "20,-170", "-30,175", "60,-150"].into_iter();
+    let rows = rows
+        .zip(0..)
+        .map(|(row, time_s)| format!("{time_s},a,{row}"));
+    let origin = serde_json::json!({"origin": {"lat_deg": 0, "lon_deg": 180}});
+    let area = look(&truth("lat_deg,lon_deg", rows), origin).area.unwrap();
+    let spans = [area.lat_deg.unwrap(), area.lon_deg.unwrap()].concat();
+    for (found, expected) in spans.iter().zip([-30.0, 60.0, 170.0, -150.0]) {
+        assert!((found - expected).abs() < 1e-9, "{spans:?}");
+    }
+}

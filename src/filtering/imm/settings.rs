@@ -101,10 +101,10 @@ impl Models {
         let is_small = self
             .iter()
             .all(|model| !model.motion.has_more_than_kinematics());
-        match (self.count, is_small) {
-            (..=2, true) => work.in_plane(Imm::<2, 4>::new(self, way, reports)),
-            (..=3, _) => work.in_plane(Imm::<3, 6>::new(self, way, reports)),
-            _ => work.in_plane(Imm::<MAX_MODELS, 6>::new(self, way, reports)),
+        if is_small && self.count <= 2 {
+            work.in_plane(Imm::<2, 4>::new(self, way, reports))
+        } else {
+            work.in_plane(Imm::<MAX_MODELS, 6>::new(self, way, reports))
         }
     }
 }

@@ -442,7 +442,8 @@ fn check_missing(
                 .allowing(schema.known()),
         );
     };
-    let is_geographic = has(names, "lat_deg") && has(names, "lon_deg");
+    // As `Header::is_geographic` has it.
+    let is_geographic = has(names, "lat_deg") && has(names, "lon_deg") && !has(names, "x_m");
     for &name in schema.required.iter().filter(|name| !has(names, name)) {
         if is_geographic && ["x_m", "y_m"].contains(&name) {
             continue;

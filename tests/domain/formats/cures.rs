@@ -55,6 +55,17 @@ fn a_missing_column_proposes_the_one_that_may_be_meant() {
     assert_eq!((faults.len(), faults[0].detail.as_str()), (1, expected));
 }
 
+/// Found by changing files at random.
+#[test]
+fn one_coordinate_beside_latitudes_is_half_a_place() {
+    for kind in [("track_id", "tracks"), ("truth_id", "truth")] {
+        let text = format!("time_s,{},x_m,lat_deg,lon_deg\n0,a,1,50,4\n", kind.0);
+        let faults = read("csv", text).expect_err("no y_m");
+        let expected = format!("a file of {} needs a column 'y_m'", kind.1);
+        assert_eq!((faults.len(), &faults[0].detail), (1, &expected));
+    }
+}
+
 const ROWS: &str =
     "time_s,truth_id,x_m,y_m\n0,a,1,2\n1,a,nan,2\n2,a,2\n3,a,3,2\n4,,4,2\n5,a,x,y\n6,a,5,2\n";
 
