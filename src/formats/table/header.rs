@@ -266,7 +266,7 @@ impl Header {
 
     /// Whether places are latitudes and longitudes alone.
     pub fn is_geographic(&self) -> bool {
-        self.find("x_m").is_none() && self.find("lat_deg").is_some()
+        self.find("x_m").is_none() && self.all(&["lat_deg", "lon_deg"]).is_some()
     }
 
     /// Longitude and latitude beside places in the plane.

@@ -66,6 +66,20 @@ fn one_coordinate_beside_latitudes_is_half_a_place() {
     }
 }
 
+#[test]
+fn a_latitude_without_longitude_is_no_place_of_a_direction() {
+    let text = "time_s,truth_id,lat_deg,bearing_deg\n0,a,50,90\n";
+    let truth = truth(read("csv", text).expect("a direction is enough"));
+    assert_eq!(truth.targets()[0].points.len(), 1);
+    let text = "time_s,scan,detection_id,lat_deg,bearing_deg\n0,1,a,50,90\n";
+    assert_eq!(
+        recording(read("csv", text).expect("so is its report"))
+            .scans
+            .len(),
+        1
+    );
+}
+
 const ROWS: &str =
     "time_s,truth_id,x_m,y_m\n0,a,1,2\n1,a,nan,2\n2,a,2\n3,a,3,2\n4,,4,2\n5,a,x,y\n6,a,5,2\n";
 
