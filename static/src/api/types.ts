@@ -12,13 +12,7 @@ export type CampaignSoFar = Schemas["CampaignSoFar"];
 export type Comparison = Schemas["Comparison"];
 export type CorrelationTuple = Schemas["CorrelationTuple"];
 export type CorrelateResult = Schemas["CorrelateResult"];
-/** The last two are of later versions than some data sets. */
-export type Dataset = Schemas["DatasetInfo"] & {
-  /** How the units of the file fared. */
-  units?: Units;
-  /** What its upload said of it, without the name. */
-  reading?: Record<string, unknown>;
-};
+export type Dataset = Schemas["DatasetInfo"];
 export type DatasetPage = Schemas["DatasetPage"];
 export type DatasetPreview = Schemas["DatasetPreview"];
 export type EventCounts = Schemas["EventCounts"];
@@ -42,16 +36,7 @@ export type Tfa = Schemas["Tfa"];
 export type TrackProbability = Schemas["TrackProbabilitySeries"];
 export type Validation = Schemas["ValidationResult"];
 
-/** How the units of a file fared; used, ignored and rejected add up to the total. */
-export interface Units {
-  /** What a unit is: a line, a row, a sentence. */
-  called: string;
-  total: number;
-  used: number;
-  ignored: Record<string, number>;
-  /** With the numbers of the first ones. */
-  rejected: Record<string, { count: number; first: number[] }>;
-}
+export type Units = Schemas["Units"];
 
 export interface InspectedSensor {
   sensor_id: string;

@@ -9,6 +9,8 @@ const MEASURED = ["range_m", "bearing_deg", "elevation_deg", "range_rate_mps"];
 const MOVING = ["vx_mps", "vy_mps", "vz_mps", "speed_mps", "course_deg", "bearing_rate_degps"];
 const IDENTITIES = ["scan", "sensor_id", "detection_id", "truth_id", "track_id"];
 const OTHERS = ["amplitude", "probability", "status", "nis", "existence"];
+/** How probable each motion model of a track is. */
+const MODES = [1, 2, 3, 4, 5, 6].map((model) => `mode_${model}`);
 const SIGMAS = ["sigma_x_m", "sigma_y_m", "sigma_range_m", "sigma_bearing_deg"];
 const ATTRIBUTES = [
   "address",
@@ -43,6 +45,7 @@ export const CANONICAL: string[] = [
   ...["time_s", ...PLACES, ...MEASURED, ...MOVING].flatMap(inUnits),
   ...IDENTITIES,
   ...OTHERS,
+  ...MODES,
   ...ATTRIBUTES.flatMap(inUnits),
   ...SIGMAS,
   ...COVARIANCES,
