@@ -169,7 +169,7 @@ fn put(units: &mut [u8], width: usize, (from, count): (usize, usize), value: u64
     }
 }
 
-/// Positions in the air of 100 aircraft that stand still, even and odd in turns: one frame a millisecond.
+/// Positions in the air of 100 aircraft, even and odd in turns: each flies to and fro between two places 1.6 km apart, 5 s a way.
 fn frames() -> String {
     // J. Sun, The 1090 Megahertz Riddle: the bits of a pair at 52.2572 N 3.91937 E.
     const PAIR: [[u8; 7]; 2] = [
@@ -183,7 +183,7 @@ fn frames() -> String {
         frame.extend_from_slice(&address.to_be_bytes()[1..]);
         frame.extend_from_slice(&PAIR[(row / 100 % 2) as usize]);
         frame.extend_from_slice(&parity(&frame).to_be_bytes()[1..]);
-        let seconds = 1_698_142_148.0 + f64::from(row) * 1e-3;
+        let seconds = 1_698_142_148.0 + f64::from(row) * 0.05;
         write!(text, "{seconds:.6},1a3300000000000100").expect("a String takes any text");
         for octet in frame {
             write!(text, "{octet:02x}").expect("a String takes any text");

@@ -39,6 +39,8 @@ PARTS = {
     '"tfa":': lambda part: ("evaluate", {"input": DETECTIONS, "truth": TRUTH, "sensors": SENSORS, **json.loads("{" + part + "}")}),
     '{"source": "file", "path": "levels.npy"': "a source; tests/domain/bearing_time.rs reads such a file",
     '{"columns":': "a part of an upload; tests/domain/formats reads renamed columns",
+    '{"method": "imm"': lambda part: ("associate", {
+        "input": DETECTIONS, "sensors": SENSORS, "associator": {"method": "jpda"}, "filter": json.loads(part)}),
     '"from": [': "a part of a report",
     '{"truth_id":': "a part of a report",
 }
