@@ -35,7 +35,7 @@ SHOWN = [lambda x: x, lambda x: 100 * x, lambda x: -x, lambda x: -100 * x, lambd
 def main(trackloom, share):
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
-        presets = sorted(path.stem for path in DATA.glob("*.csv") if is_campaign(trackloom, path.stem))
+        presets = sorted(make.campaigns(trackloom))
         with ThreadPoolExecutor(2) as pool:
             list(pool.map(lambda preset: run(trackloom, preset, share, folder / preset), presets))
         stored = {preset: table(DATA / f"{preset}.csv") for preset in presets}
@@ -44,11 +44,6 @@ def main(trackloom, share):
     print(f"{len(presets)} campaigns, {sum(map(len, stored.values()))} numbers stored, {len(told)} differ")
     print("\n".join(told[:40]))
     return 1 if told or not presets else 0
-
-
-def is_campaign(trackloom, name):
-    found = subprocess.run([trackloom, "presets", name], capture_output=True, text=True)
-    return found.returncode == 0 and "grid" in json.loads(found.stdout)
 
 
 def run(trackloom, preset, share, out):
