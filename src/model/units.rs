@@ -14,7 +14,7 @@ pub struct Units {
     pub used: u64,
     /// How many of each kind: `duplicate`, `no position`, `message 24`.
     pub ignored: BTreeMap<String, u64>,
-    /// By reason, a name of [`Reason`].
+    /// By reason: `checksum`, `malformed`, `out_of_range`, `no_time` and others.
     pub rejected: BTreeMap<String, Rejected>,
 }
 

@@ -1,30 +1,17 @@
 //! Dates and times of day as files write them, to seconds since 1970. Leap seconds are not counted.
 
+use jiff::civil::Date;
+
 pub const SECONDS_A_DAY: i64 = 86_400;
+
+const EPOCH: Date = Date::constant(1970, 1, 1);
 
 /// Days since 1970-01-01 in the Gregorian calendar; `None` where there is no such day.
 pub fn days_since_1970(year: i64, month: u32, day: u32) -> Option<i64> {
-    if !(0..=9999).contains(&year) || day == 0 || day > days_of(year, month)? {
-        return None;
-    }
-    // Years begin in March here, so that the day that leap years add is a year's last.
-    let (year, month) = match month {
-        1 | 2 => (year - 1, month + 9),
-        _ => (year, month - 3),
-    };
-    let before_month = (153 * i64::from(month) + 2) / 5;
-    let leap_days = year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400);
-    Some(365 * year + leap_days + before_month + i64::from(day) - 719_469)
-}
-
-fn days_of(year: i64, month: u32) -> Option<u32> {
-    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-    match month {
-        2 => Some(28 + u32::from(is_leap)),
-        4 | 6 | 9 | 11 => Some(30),
-        1 | 3 | 5 | 7 | 8 | 10 | 12 => Some(31),
-        _ => None,
-    }
+    let year = i16::try_from(year).ok().filter(|year| *year >= 0)?;
+    let (month, day) = (i8::try_from(month).ok()?, i8::try_from(day).ok()?);
+    let date = Date::new(year, month, day).ok()?;
+    Some(date.duration_since(EPOCH).as_secs() / SECONDS_A_DAY)
 }
 
 /// Seconds since 1970 of `2024-01-31T12:00:00.5Z`, its zone `Z`, `+02`, `+0200` or `+02:00`; `T` may be a space, `-` in the

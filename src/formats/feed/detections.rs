@@ -173,22 +173,25 @@ fn measure(report: &super::Report, ground: &mut Ground) -> Option<Measurement> {
     })
 }
 
-/// Numbers the texts of attributes.
+/// Numbers the texts of each attribute.
 #[derive(Default)]
 struct LabelMaker {
-    numbers: BTreeMap<(&'static str, String), u32>,
+    /// By attribute, then by the number of the text in the feed: its number among the attribute's labels.
+    numbers: BTreeMap<Attribute, Vec<Option<u32>>>,
 }
 
 impl LabelMaker {
     /// Keeps what is said of the detection added last.
     fn note(&mut self, beside: &mut Beside, feed: &Feed, report: usize) {
         let detections = beside.times_s.len();
-        for (attribute, text) in feed.said_of(report) {
-            let name = Attribute::name(attribute);
-            let labels = beside.attributes.entry(name).or_default();
-            let key = (name, text.to_owned());
-            let number = *self.numbers.entry(key).or_insert_with(|| {
-                labels.texts.push(text.to_owned());
+        for (attribute, text) in feed.numbers_said_of(report) {
+            let labels = beside.attributes.entry(attribute.name()).or_default();
+            let numbers = self.numbers.entry(attribute).or_default();
+            if numbers.len() <= text as usize {
+                numbers.resize(text as usize + 1, None);
+            }
+            let number = *numbers[text as usize].get_or_insert_with(|| {
+                labels.texts.push(feed.texts.name(text).to_owned());
                 labels.texts.len() as u32 - 1
             });
             labels.of.resize(detections, None);

@@ -257,11 +257,17 @@ impl Feed {
 
     /// What is said of a single report, by its index.
     pub fn said_of(&self, report: usize) -> impl Iterator<Item = (Attribute, &str)> {
+        let numbered = self.numbers_said_of(report);
+        numbered.map(|(attribute, text)| (attribute, self.texts.name(text)))
+    }
+
+    /// The same by the numbers of the texts.
+    fn numbers_said_of(&self, report: usize) -> impl Iterator<Item = (Attribute, u32)> {
         let first = self.said.partition_point(|said| (said.0 as usize) < report);
         let of_it = self.said[first..]
             .iter()
             .take_while(move |said| said.0 as usize == report);
-        of_it.map(|&(_, attribute, text)| (attribute, self.texts.name(text)))
+        of_it.map(|&(_, attribute, text)| (attribute, text))
     }
 
     /// What is known of an identity whose path has these reports: what was said of it at any time, and last in one of them.

@@ -266,7 +266,7 @@ impl Header {
 
     /// Whether places are latitudes and longitudes alone.
     pub fn is_geographic(&self) -> bool {
-        self.find("x_m").is_none() && self.all(&["lat_deg", "lon_deg"]).is_some()
+        is_geographic(&self.names)
     }
 
     /// Longitude and latitude beside places in the plane.
@@ -306,7 +306,7 @@ pub fn resolve(
     check_renaming_source(rows, options, &mut faults);
     let Some(kind) = options.kind.or_else(|| kind_of(&names)) else {
         let detail = "the columns do not say what the file holds: tracks need 'track_id', detections 'detection_id' and 'scan', truth 'truth_id'";
-        let cure = cure(rows, &names, None);
+        let cure = cure_after(rows, &names, None);
         faults.push(
             rows.header_fault(None, "missing", format!("{detail}{cure}"))
                 .allowing("tracks, detections, truth"),
@@ -319,9 +319,7 @@ pub fn resolve(
     check_missing(rows, schema, kind, &names, &mut faults);
     faults.finish()?;
     let mut warnings = warnings(schema, rows.names(), &names);
-    if let Some(mapping) = guess::mapping(rows.names(), &names, Some(kind), is_canonical) {
-        warnings.push(format!("columns may be mapped: {mapping}"));
-    }
+    warnings.extend(cure(rows, &names, Some(kind)));
     Ok((kind, Header { names, scales }, warnings))
 }
 
@@ -435,17 +433,20 @@ fn check_missing(
     names: &[String],
     faults: &mut FaultLog,
 ) {
-    let cure = cure(rows, names, Some(kind));
+    let cure = cure_after(rows, names, Some(kind));
     let mut missing = |name: &str, detail: String| {
         faults.push(
             rows.header_fault(Some(name), "missing", format!("{detail}{cure}"))
                 .allowing(schema.known()),
         );
     };
-    // As `Header::is_geographic` has it.
-    let is_geographic = has(names, "lat_deg") && has(names, "lon_deg") && !has(names, "x_m");
+    let place: &[&str] = if is_geographic(names) {
+        &["x_m", "y_m"]
+    } else {
+        &[]
+    };
     for &name in schema.required.iter().filter(|name| !has(names, name)) {
-        if is_geographic && ["x_m", "y_m"].contains(&name) {
+        if place.contains(&name) {
             continue;
         }
         missing(
@@ -487,10 +488,19 @@ fn check_missing(
 }
 
 /// What may be meant by names that are not known.
-fn cure(rows: &dyn Rows, names: &[String], kind: Option<DatasetKind>) -> String {
-    guess::mapping(rows.names(), names, kind, is_canonical).map_or(String::new(), |mapping| {
-        format!("; columns may be mapped: {mapping}")
-    })
+fn cure(rows: &dyn Rows, names: &[String], kind: Option<DatasetKind>) -> Option<String> {
+    let mapping = guess::mapping(rows.names(), names, kind, is_canonical)?;
+    Some(format!("columns may be mapped: {mapping}"))
+}
+
+/// The same at the end of a sentence.
+fn cure_after(rows: &dyn Rows, names: &[String], kind: Option<DatasetKind>) -> String {
+    cure(rows, names, kind).map_or(String::new(), |cure| format!("; {cure}"))
+}
+
+/// Whether places are latitudes and longitudes alone.
+fn is_geographic(names: &[String]) -> bool {
+    has(names, "lat_deg") && has(names, "lon_deg") && !has(names, "x_m")
 }
 
 fn has(names: &[String], name: &str) -> bool {
