@@ -5,7 +5,7 @@
 #[path = "../benches/support/maneuver.rs"]
 mod maneuver;
 
-use maneuver::{Named, PUBLISHED, filter_of, published, row, truth};
+use maneuver::{Named, NamedAndSmoothed, PUBLISHED, filter_of, published, row, truth};
 use serde_json::{Value, json};
 
 fn main() {
@@ -27,6 +27,11 @@ fn main() {
             runs,
         });
         line(name, &row(&errors), None);
+        let smoothed = filter_of(&filter).with(NamedAndSmoothed(Named {
+            truth: &truth,
+            runs,
+        }));
+        line(&format!("{name}, smoothed"), &row(&smoothed), None);
     }
 }
 

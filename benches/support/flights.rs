@@ -141,6 +141,7 @@ impl Flights {
             max_missed: 5,
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 1.0,
+            smoothing: None,
         };
         let report = MeasurementModel::Position {
             sigma_x_m: SIGMA_M,

@@ -151,6 +151,64 @@ impl Errors {
 
 /// A filter with what a period does to its beliefs, which may be another step than its own.
 pub fn errors_of<F: Filter<4>>(filter: &F, step: &F::Step, truth: &[State], runs: u32) -> Errors {
+    errors_in(truth, runs, |run| {
+        beliefs_of(filter, step, truth, run)
+            .iter()
+            .map(F::kinematics)
+            .collect()
+    })
+}
+
+/// The same in the light of all later fixes.
+pub fn smoothed_errors_of<F: Filter<4>>(
+    filter: &F,
+    step: &F::Step,
+    truth: &[State],
+    runs: u32,
+) -> Errors {
+    errors_in(truth, runs, |run| {
+        let mut beliefs = beliefs_of(filter, step, truth, run);
+        for fix in (1..beliefs.len()).rev() {
+            beliefs[fix - 1] = F::smooth(step, &beliefs[fix - 1], &beliefs[fix]);
+        }
+        beliefs.iter().map(F::kinematics).collect()
+    })
+}
+
+/// What a filter believes at each fix of a run.
+fn beliefs_of<F: Filter<4>>(
+    filter: &F,
+    step: &F::Step,
+    truth: &[State],
+    run: u32,
+) -> Vec<F::Belief> {
+    let mut draw = Seed { seed: 7, run }.stream(Purpose::Detection, 0, 0);
+    let mut beliefs: Vec<F::Belief> = Vec::with_capacity(truth.len());
+    for state in truth {
+        let noise = Vector2::from_fn(|_, _| StandardNormal.sample(&mut draw));
+        let seen: Vector2<f64> = state.xy() + noise * SIGMA_M;
+        let report = Measurement::Position {
+            x_m: seen[0],
+            y_m: seen[1],
+        };
+        beliefs.push(match beliefs.last() {
+            None => {
+                let start = locate(filter, &SENSOR, &report, SPEED_SIGMA_MPS);
+                filter.begin(&start.expect("a position says where the target is"))
+            }
+            Some(before) => {
+                let mut now = *before;
+                F::predict(step, &mut now);
+                update(filter, &SENSOR, &report, &mut now).expect("it stays definite");
+                now
+            }
+        });
+    }
+    beliefs
+}
+
+/// Of what is told at each fix of each run.
+fn errors_in(truth: &[State], runs: u32, told: impl Fn(u32) -> Vec<GaussianState>) -> Errors {
     let zeros = vec![0.0; truth.len()];
     let mut errors = Errors {
         runs,
@@ -161,30 +219,10 @@ pub fn errors_of<F: Filter<4>>(filter: &F, step: &F::Step, truth: &[State], runs
         mean_square: [0.0; 1 + PARTS.len()],
     };
     for run in 0..runs {
-        let mut draw = Seed { seed: 7, run }.stream(Purpose::Detection, 0, 0);
-        let mut belief = None;
-        let mut of_run = Vec::with_capacity(truth.len());
-        for (fix, state) in truth.iter().enumerate() {
-            let noise = Vector2::from_fn(|_, _| StandardNormal.sample(&mut draw));
-            let seen: Vector2<f64> = state.xy() + noise * SIGMA_M;
-            let report = Measurement::Position {
-                x_m: seen[0],
-                y_m: seen[1],
-            };
-            let now = match belief {
-                None => {
-                    let start = locate(filter, &SENSOR, &report, SPEED_SIGMA_MPS);
-                    filter.begin(&start.expect("a position says where the target is"))
-                }
-                Some(mut now) => {
-                    F::predict(step, &mut now);
-                    update(filter, &SENSOR, &report, &mut now).expect("it stays definite");
-                    now
-                }
-            };
-            belief = Some(now);
-            of_run.push(errors.add(fix, state, &F::kinematics(&now)));
-        }
+        let told = told(run);
+        let of_run: Vec<f64> = (0..truth.len())
+            .map(|fix| errors.add(fix, &truth[fix], &told[fix]))
+            .collect();
         for (square, fixes) in errors.mean_square.iter_mut().zip(ranges()) {
             let mean = of_run[fixes.clone()].iter().sum::<f64>() / fixes.len() as f64;
             *square += mean * mean;
@@ -358,6 +396,22 @@ impl WithFilter for Named<'_> {
 
     fn in_plane<F: Filter<4>>(self, filter: F) -> Errors {
         errors_of(&filter, &filter.step(PERIOD_S), self.truth, self.runs)
+    }
+
+    fn of_bearings<F: Filter<2>>(self, _filter: F) -> Errors {
+        panic!("the scene has places")
+    }
+}
+
+/// The same in the light of all later fixes.
+pub struct NamedAndSmoothed<'a>(pub Named<'a>);
+
+impl WithFilter for NamedAndSmoothed<'_> {
+    type Output = Errors;
+
+    fn in_plane<F: Filter<4>>(self, filter: F) -> Errors {
+        let Named { truth, runs } = self.0;
+        smoothed_errors_of(&filter, &filter.step(PERIOD_S), truth, runs)
     }
 
     fn of_bearings<F: Filter<2>>(self, _filter: F) -> Errors {

@@ -135,7 +135,19 @@ pub enum Source {
     Job {
         job_id: String,
         sensor_ids: Option<Vec<String>>,
+        /// Which of its tracks are meant.
+        #[serde(default)]
+        estimates: Estimates,
     },
+}
+
+/// Tracks as they were known at each scan, or in the light of later ones.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Estimates {
+    #[default]
+    Filtered,
+    Smoothed,
 }
 
 impl Source {

@@ -23,6 +23,7 @@ mod simulate;
 #[cfg(test)]
 mod tests;
 
+pub use associate::track::SMOOTHED_TRACKS;
 pub use associate::{AssociateResult, Association, gates};
 pub use campaign::CampaignResult;
 pub use correlate::CorrelateResult;
@@ -30,8 +31,8 @@ pub use files::text;
 pub use group::GroupResult;
 pub use input::DetectionResult;
 pub use job::{
-    ARTIFACT_TYPES, Artifact, AssociationTime, CellTime, Cost, Input, InputRequest, Inputs, Job,
-    JobKind, Known, Outcome, Plan, RunError, Source, run,
+    ARTIFACT_TYPES, Artifact, AssociationTime, CellTime, Cost, Estimates, Input, InputRequest,
+    Inputs, Job, JobKind, Known, Outcome, Plan, RunError, Source, run,
 };
 pub use request::job_shape;
 pub use simulate::SimulateResult;

@@ -1,6 +1,7 @@
 //! The filter of one Gaussian belief: any motion model, any way through a sensing model.
 
 use super::expected::{Expected, Gain, Way};
+use super::smoothing::Passage;
 use super::{Corrector, Filter, Reports, Weighted, WithCorrector, mixture};
 use crate::model::motion::Motion;
 use crate::model::scan::Measurement;
@@ -72,6 +73,17 @@ where
         detections: &[Weighted<SVector<f64, N>>],
     ) {
         mixture::update(belief, loss, detections.iter().copied());
+    }
+
+    fn smooth(
+        step: &M::Step,
+        belief: &GaussianState<N>,
+        next: &GaussianState<N>,
+    ) -> GaussianState<N> {
+        let mut predicted = *belief;
+        M::predict(step, &mut predicted);
+        let cross = belief.covariance * M::transition(step, &belief.mean).transpose();
+        Passage::new(&predicted, &cross).back(belief, next)
     }
 
     fn begin(&self, kinematics: &GaussianState<K>) -> GaussianState<N> {

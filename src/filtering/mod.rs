@@ -23,6 +23,7 @@ pub mod imm;
 pub mod kalman;
 mod mixture;
 pub mod motions;
+mod smoothing;
 pub mod unscented;
 
 pub use expected::{Expected, Way};
@@ -56,6 +57,9 @@ pub trait Filter<const K: usize>: Copy + Send + 'static {
     fn begin(&self, kinematics: &GaussianState<K>) -> Self::Belief;
 
     fn kinematics(belief: &Self::Belief) -> GaussianState<K>;
+
+    /// The belief in the light of what came after: `next` is what is believed of the target after this step, in that light.
+    fn smooth(step: &Self::Step, belief: &Self::Belief, next: &Self::Belief) -> Self::Belief;
 
     /// How probable each of several models of motion is; of a single one nothing is told.
     fn mode_probabilities(_belief: &Self::Belief) -> &[f64] {

@@ -11,6 +11,7 @@ use crate::model::motion::singer::Singer;
 use crate::model::motion::unknown_turn::UnknownTurn;
 use crate::model::state::GaussianState;
 use crate::registry::{Field, Kind, Object, Union, above, default, number, required, variant};
+use nalgebra::{SMatrix, SVector};
 use serde::Deserialize;
 
 /// A motion model that was chosen by name.
@@ -35,6 +36,10 @@ impl<const N: usize> Motion<N> for AnyMotion {
     #[inline]
     fn predict(step: &ModeStep, belief: &mut GaussianState<N>) {
         step.predict(belief);
+    }
+
+    fn transition(step: &ModeStep, mean: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        step.transition(mean)
     }
 
     fn initial_sigma(&self) -> f64 {
@@ -248,7 +253,7 @@ pub(super) const ACCELERATION_FIELDS: [Field; 2] = [
 pub(super) const TURN_FIELDS: [Field; 2] = [
     required(
         "turn_rate_degps",
-        "Rate ω of the turn, positive to the left (counter-clockwise); not 0.",
+        "Rate ω of the turn, positive to the left (counter-clockwise); 0 flies straight.",
         number(-90.0, 90.0, "deg/s"),
     ),
     PROCESS_NOISE,

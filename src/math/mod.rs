@@ -5,4 +5,5 @@ pub mod assignment;
 pub mod fuzzy_c_means;
 pub mod gaussian;
 pub mod rng;
+pub mod semidefinite;
 pub mod stats;

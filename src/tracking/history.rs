@@ -1,6 +1,8 @@
 //! The recorder of a job: one entry a track and scan, in scan order, turned into tracks at the end.
 
 use super::recorder::{RecordedPoint, Recorder};
+use super::smoothing::{self, PackedBeliefs, Smoothed, Smoothing};
+use crate::filtering::AnyFilter;
 use crate::hypotheses::bounds;
 use crate::model::attributes::Attributes;
 use crate::model::modes::ModeTable;
@@ -33,6 +35,8 @@ struct Piece {
     kinematics: Vec<f64>,
     /// Probabilities of the motion models, as many for each entry.
     modes: Vec<f64>,
+    /// Packed beliefs, as many numbers for each entry; empty where nobody smooths.
+    beliefs: Vec<f64>,
 }
 
 /// Everything a tracker did.
@@ -66,6 +70,7 @@ impl Recorder for History {
         if let Some(piece) = self.pieces.last_mut() {
             piece.kinematics.extend_from_slice(point.kinematics);
             piece.modes.extend_from_slice(point.modes);
+            piece.beliefs.extend_from_slice(point.belief);
             piece.entries.push(Entry {
                 serial: point.serial,
                 scan: point.scan_index,
@@ -101,7 +106,45 @@ impl History {
             entries: Vec::with_capacity(length),
             kinematics: Vec::with_capacity(length * first.kinematics.len()),
             modes: Vec::with_capacity(length * first.modes.len()),
+            beliefs: Vec::with_capacity(length * first.belief.len()),
         });
+    }
+
+    /// Of each track that was ever confirmed what was believed at its points, in their order. Nothing where beliefs were not kept.
+    fn beliefs(&self, recording: &Recording) -> Vec<PackedBeliefs<'_>> {
+        let mut place_of = vec![usize::MAX; self.confirmed.len()];
+        let mut tracks: Vec<PackedBeliefs> = Vec::new();
+        for (serial, _) in self.confirmed.iter().enumerate().filter(|(_, is)| **is) {
+            place_of[serial] = tracks.len();
+            tracks.push(PackedBeliefs::default());
+        }
+        for piece in &self.pieces {
+            let values = piece.beliefs.len() / piece.entries.len();
+            let beliefs = piece.beliefs.chunks(values.max(1));
+            for (entry, belief) in piece.entries.iter().zip(beliefs) {
+                if let Some(track) = tracks.get_mut(place_of[entry.serial as usize]) {
+                    track
+                        .times_s
+                        .push(recording.scans[entry.scan as usize].time_s);
+                    track.beliefs.push(belief);
+                }
+            }
+        }
+        tracks
+    }
+
+    /// The tracks, and the same in the light of later scans where the tracker was told to keep what that takes.
+    pub fn into_smoothed(
+        self,
+        recording: &Recording,
+        filter: &AnyFilter,
+        smoothing: Option<Smoothing>,
+    ) -> (TrackSet, Option<TrackSet>) {
+        let smooth = |smoothing| smoothing::smooth(filter, smoothing, &self.beliefs(recording));
+        let smoothed = smoothing.map(smooth);
+        let tracks = self.into_tracks(recording);
+        let smoothed = smoothed.map(|smoothed| replaced(&tracks, smoothed));
+        (tracks, smoothed)
     }
 
     /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation; those that
@@ -163,6 +206,24 @@ impl History {
                 .collect(),
         }
     }
+}
+
+/// The same tracks with other estimates at their points.
+fn replaced(tracks: &TrackSet, estimates: Vec<Smoothed>) -> TrackSet {
+    let mut set = tracks.clone();
+    set.modes = ModeTable::default();
+    for (track, estimates) in set.tracks.iter_mut().zip(estimates) {
+        let points = track.points.len().max(1);
+        let modes = estimates.modes.len() / points;
+        let kinematics = estimates
+            .kinematics
+            .chunks(estimates.kinematics.len() / points);
+        for (index, (point, kinematics)) in track.points.iter_mut().zip(kinematics).enumerate() {
+            point.estimate = Kinematics::unpack(set.space, kinematics);
+            point.mode_row = set.modes.push(&estimates.modes[index * modes..][..modes]);
+        }
+    }
+    set
 }
 
 fn point(

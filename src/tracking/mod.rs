@@ -6,6 +6,7 @@ mod history;
 mod outcome;
 pub mod recorder;
 pub mod single_hypothesis;
+mod smoothing;
 
 use crate::association::{Associator, Trace};
 use crate::filtering::AnyFilter;
@@ -23,6 +24,7 @@ pub use recorder::Recorder;
 pub use single_hypothesis::confirmation::{Confirmation, ScoreRule};
 pub use single_hypothesis::initiation::Initiation;
 pub use single_hypothesis::lifecycle::{LIFECYCLE, Lifecycle};
+pub use smoothing::Smoothing;
 
 /// A multi-target tracker. Feed it scans in order of time.
 pub trait Tracker: Send {

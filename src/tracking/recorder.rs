@@ -37,6 +37,8 @@ pub struct RecordedPoint<'a> {
     pub status: TrackStatus,
     /// Mean of the kinematics, then the upper triangle of its covariance row by row.
     pub kinematics: &'a [f64],
+    /// All that the filter believes ([`Filter::pack`](crate::filtering::Filter::pack)), where tracks are smoothed afterwards; else empty.
+    pub belief: &'a [f64],
     /// Normalised innovation squared, where a detection updated the track.
     pub nis: Option<f64>,
     /// How probable each model of motion is, where the filter has several.

@@ -51,6 +51,7 @@ mod requests_again;
 mod right_values;
 mod segmentation;
 mod shared_gates;
+mod smoothing;
 mod sonar;
 mod tfa_by_hand;
 mod track_alignment;

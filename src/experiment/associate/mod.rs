@@ -69,7 +69,7 @@ impl Job for AssociateJob {
         let mut data = JobData::load(work.requests, work.inputs, sensors)?;
         data.gather(input, detector.as_ref(), sensors, settings.seed, observer)?;
         let tracking = settle(tracking, data.recording()?);
-        let tracked = track::track(&mut data, input, &tracking, sensors, settings, observer)?;
+        let mut tracked = track::track(&mut data, input, &tracking, sensors, settings, observer)?;
         let result = AssociateResult {
             detection: data.detection.take(),
             association: report(&tracked, data.recording()?, &data.sensors),

@@ -15,6 +15,7 @@ use crate::experiment::request::sources::InputSpec;
 use crate::filtering::AnyFilter;
 use crate::filtering::imm::Models;
 use crate::math::rng::Seed;
+use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::scenario::Scenario;
@@ -27,9 +28,14 @@ use crate::tracking::{
 use serde_json::Value;
 use std::cell::RefCell;
 
+/// The file of smoothed tracks.
+pub const SMOOTHED_TRACKS: &str = "smoothed_tracks.csv";
+
 /// The tracks, and what happened scan by scan.
 pub struct Tracked {
     pub tracks: TrackSet,
+    /// The same in the light of later scans, where that was asked for.
+    pub smoothed: Option<TrackSet>,
     pub scans: Vec<ScanOutcome>,
     pub method: &'static str,
     pub nis: NisReport,
@@ -46,12 +52,19 @@ pub struct Tracked {
 }
 
 impl Tracked {
-    /// `scans.csv`, and `association_trace.csv` where there is one.
+    /// `scans.csv`; `smoothed_tracks.csv` and `association_trace.csv` where there is one.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn files(&self, data: &mut JobData) -> Result<Vec<Artifact>, RunError> {
+    pub fn files(&mut self, data: &mut JobData) -> Result<Vec<Artifact>, RunError> {
         let mut files = vec![datasets::scans(data.recording()?, &self.scans)?];
+        if let Some(smoothed) = self.smoothed.take() {
+            let smoothed = Dataset::Tracks(smoothed);
+            files.push(Artifact {
+                name: SMOOTHED_TRACKS,
+                ..datasets::dataset(&smoothed, &data.sensors)?
+            });
+        }
         if let Some(trace) = &self.trace {
             let left_out = trace.left_out();
             if left_out > 0 {
@@ -199,7 +212,7 @@ impl<'a> TrackerRun<'a> {
 
     fn run(self, filter: &AnyFilter, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
         let (recording, method, is_timed) = (self.recording, self.method, self.is_timed);
-        let dimensions = common_dimensions(&self.sensors);
+        let (dimensions, smoothing) = (common_dimensions(&self.sensors), self.lifecycle.smoothing);
         let mut tracker = self.start(filter)?;
         if is_timed {
             tracker.keep_problems();
@@ -218,8 +231,10 @@ impl<'a> TrackerRun<'a> {
             None
         };
         drop(tracker);
+        let (tracks, smoothed) = history.into_smoothed(recording, filter, smoothing);
         Ok(Tracked {
-            tracks: history.into_tracks(recording),
+            tracks,
+            smoothed,
             scans,
             method,
             nis,

@@ -50,7 +50,7 @@ pub fn run(
     if let Some(detection) = &data.detection {
         result.insert("detection".to_owned(), to_value(detection)?);
     }
-    let tracked = job.track(&mut data, settings, observer)?;
+    let mut tracked = job.track(&mut data, settings, observer)?;
     if let Some(tracked) = &tracked {
         let association = report(tracked, data.recording()?, &data.sensors);
         result.insert("association".to_owned(), to_value(&association)?);
@@ -67,12 +67,25 @@ pub fn run(
         files.extend(judgement.artifacts);
         data.warn(judgement.warnings);
     }
+    let smoothed = tracked
+        .as_ref()
+        .and_then(|tracked| tracked.smoothed.as_ref());
+    if let Some(smoothed) = smoothed {
+        let without_files = RunSettings {
+            wants_files: false,
+            ..settings
+        };
+        let judged = job.compute_metrics(&mut data, Some(smoothed), without_files, observer)?;
+        // Its warnings are those of the tracks, which are alike in all but their places.
+        let parts = judged.map(|judgement| Value::Object(judgement.parts));
+        result.extend(parts.map(|parts| ("smoothed".to_owned(), parts)));
+    }
     let association_time = tracked
         .as_ref()
         .and_then(|tracked| tracked.association_time);
     let mut artifacts = Vec::new();
     if settings.wants_files {
-        let of_tracks = match &tracked {
+        let of_tracks = match &mut tracked {
             Some(tracked) => tracked.files(&mut data)?,
             None => Vec::new(),
         };

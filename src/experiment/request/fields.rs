@@ -44,6 +44,11 @@ static SOURCE_JOB: Object = Object {
     fields: &[
         required("job_id", "Identity of the job.", Kind::Id),
         SENSOR_IDS,
+        optional(
+            "estimates",
+            "Of tracks: filtered, as they were known at each scan, or smoothed, where the job has smoothed_tracks.csv; filtered when absent.",
+            Kind::Choice(&["filtered", "smoothed"]),
+        ),
     ],
 };
 

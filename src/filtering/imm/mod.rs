@@ -27,6 +27,7 @@ pub mod chain;
 mod look;
 mod mode;
 pub mod settings;
+mod smooth;
 
 pub use look::{Change, Loss};
 pub use mode::{Extra, ModeStep};
@@ -187,6 +188,10 @@ impl<const R: usize, const N: usize> Filter<4> for Imm<R, N> {
     #[inline]
     fn update(belief: &mut Belief<R, N>, loss: &Loss<R, N>, detections: &[Weighted<Change<R, N>>]) {
         look::update(belief, loss, detections);
+    }
+
+    fn smooth(step: &Step<R>, belief: &Belief<R, N>, next: &Belief<R, N>) -> Belief<R, N> {
+        smooth::smooth(step, belief, next)
     }
 
     fn begin(&self, kinematics: &GaussianState<4>) -> Belief<R, N> {

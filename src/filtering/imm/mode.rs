@@ -5,8 +5,9 @@ use crate::filtering::motions::AnyMotion;
 use crate::model::motion::linear::Linear;
 use crate::model::motion::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::model::motion::unknown_turn::UnknownTurn;
-use crate::model::motion::{Motion, constant_velocity, ornstein_uhlenbeck, unknown_turn};
+use crate::model::motion::{Motion, constant_velocity, ornstein_uhlenbeck, slope, unknown_turn};
 use crate::model::state::GaussianState;
+use nalgebra::{SMatrix, SVector};
 
 /// What a model has beyond position and velocity, in the places after them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,6 +100,21 @@ impl ModeStep {
             }
         }
     }
+
+    /// F at this mean; of variables that the model does not have it is 0.
+    pub fn transition<const N: usize>(&self, mean: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        let mut transition = SMatrix::<f64, N, N>::zeros();
+        if let (ModeStep::Turning(step), true) = (self, N >= 5) {
+            let own = UnknownTurn::transition(step, &mean.fixed_rows::<5>(0).into_owned());
+            transition.fixed_view_mut::<5, 5>(0, 0).copy_from(&own);
+            return transition;
+        }
+        transition = slope(|state| self.predict(state));
+        for variable in self.extra().variables()..N {
+            transition[(variable, variable)] = 0.0;
+        }
+        transition
+    }
 }
 
 #[inline(always)]
@@ -135,8 +151,8 @@ pub fn lent<const N: usize>(
         return *from;
     }
     let mut lent = GaussianState {
-        mean: nalgebra::SVector::zeros(),
-        covariance: nalgebra::SMatrix::zeros(),
+        mean: SVector::zeros(),
+        covariance: SMatrix::zeros(),
     };
     if mixing == Mixing::Unbiased {
         lent = *to;

@@ -1,6 +1,7 @@
 //! Motion models, one file a model: how a target's state changes over a time without a look at it.
 
 use super::state::GaussianState;
+use nalgebra::{SMatrix, SVector};
 
 pub mod constant_acceleration;
 pub mod constant_velocity;
@@ -21,6 +22,11 @@ pub trait Motion<const N: usize>: Copy + Send + 'static {
 
     fn predict(step: &Self::Step, belief: &mut GaussianState<N>);
 
+    /// F of a motion x ← F x + b; of any other ∂f/∂x at this mean.
+    fn transition(step: &Self::Step, _mean: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        slope(|state| Self::predict(step, state))
+    }
+
     /// The standard deviation at the start of each variable beyond coordinates and rates, whose mean is 0 then.
     fn initial_sigma(&self) -> f64 {
         0.0
@@ -28,4 +34,24 @@ pub trait Motion<const N: usize>: Copy + Send + 'static {
 
     /// Variance of a rate at the end of `dt_s` around the mean rate of that time, as far as the model's own noise goes.
     fn rate_variance(&self, dt_s: f64) -> f64;
+}
+
+/// F of a motion x ← F x + b, column by column.
+pub fn slope<const N: usize>(predict: impl Fn(&mut GaussianState<N>)) -> SMatrix<f64, N, N> {
+    let moved = |mean| {
+        let mut state = GaussianState {
+            mean,
+            covariance: SMatrix::zeros(),
+        };
+        predict(&mut state);
+        state.mean
+    };
+    let origin = moved(SVector::zeros());
+    let mut slope = SMatrix::<f64, N, N>::zeros();
+    for variable in 0..N {
+        let mut unit = SVector::<f64, N>::zeros();
+        unit[variable] = 1.0;
+        slope.set_column(variable, &(moved(unit) - origin));
+    }
+    slope
 }

@@ -16,7 +16,7 @@
 use super::Motion;
 use super::coordinated_turn::Arc;
 use crate::model::state::{GaussianState, mirror};
-use nalgebra::{Matrix5, SMatrix};
+use nalgebra::{Matrix5, SMatrix, SVector};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnknownTurn {
@@ -54,7 +54,7 @@ impl Motion<5> for UnknownTurn {
     #[inline]
     fn predict(step: &Step, belief: &mut GaussianState<5>) {
         let arc = Arc::new(belief.mean[4] * step.dt_s);
-        let slope = step.jacobian(&arc, belief);
+        let slope = step.jacobian(&arc, &belief.mean);
         // f is the slope without its last column, which is the place of ω itself.
         let moved = slope.fixed_view::<4, 4>(0, 0) * belief.mean.fixed_rows::<4>(0);
         belief.mean.fixed_rows_mut::<4>(0).copy_from(&moved);
@@ -62,6 +62,10 @@ impl Motion<5> for UnknownTurn {
         let mut noise = belief.covariance.fixed_view_mut::<4, 4>(0, 0);
         noise += arc.noise(step.spectral_density, step.dt_s);
         mirror(&mut belief.covariance);
+    }
+
+    fn transition(step: &Step, mean: &SVector<f64, 5>) -> SMatrix<f64, 5, 5> {
+        step.jacobian(&Arc::new(mean[4] * step.dt_s), mean)
     }
 
     fn initial_sigma(&self) -> f64 {
@@ -76,8 +80,8 @@ impl Motion<5> for UnknownTurn {
 
 impl Step {
     #[inline]
-    fn jacobian(&self, arc: &Arc, belief: &GaussianState<5>) -> SMatrix<f64, 5, 5> {
-        let (vx, vy) = (belief.mean[2], belief.mean[3]);
+    fn jacobian(&self, arc: &Arc, mean: &SVector<f64, 5>) -> SMatrix<f64, 5, 5> {
+        let (vx, vy) = (mean[2], mean[3]);
         let (dt_s, square) = (self.dt_s, self.dt_s * self.dt_s);
         let (a, b) = (arc.along_slope() * square, arc.across_slope() * square);
         let mut slope = Matrix5::identity();

@@ -1,7 +1,7 @@
 //! From what a plan asks for to the files that hold it.
 
 use super::Jobs;
-use crate::experiment::{InputRequest, Known, Plan, Source};
+use crate::experiment::{Estimates, InputRequest, Known, Plan, SMOOTHED_TRACKS, Source};
 use crate::formats::FormatOptions;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -36,7 +36,12 @@ impl Jobs {
         for request in &plan.inputs {
             let found = match &request.source {
                 Source::Dataset { dataset_id, .. } => self.datasets.locate(dataset_id).await?,
-                Source::Job { job_id, .. } => self.locate_artifact(job_id, request.role).await?,
+                Source::Job {
+                    job_id, estimates, ..
+                } => {
+                    let wanted = (request.role, *estimates);
+                    self.locate_artifact(job_id, wanted).await?
+                }
             };
             if found.is_none() && !request.optional {
                 faults.push(absent(request));
@@ -93,19 +98,22 @@ impl Jobs {
             .and_then(|artifact| artifact.dataset_id))
     }
 
-    /// The artefact `<role>.csv` of the job; the tracks of a job that put tracks together are `system_tracks.csv`.
+    /// The artefact `<role>.csv` of the job; the tracks of a job that put tracks together are `system_tracks.csv`, smoothed ones
+    /// `smoothed_tracks.csv`.
     pub(super) async fn locate_artifact(
         &self,
         job_id: &str,
-        role: DatasetKind,
+        (role, estimates): (DatasetKind, Estimates),
     ) -> Result<Option<Located>, ServiceError> {
         let Ok(id) = Uuid::try_parse(job_id) else {
             return Ok(None);
         };
         let name = format!("{}.csv", role.name());
         let artifacts = self.storage.artifacts(id).await?;
-        let is_of_role = |known: &str| {
-            known == name || role == DatasetKind::Tracks && known == "system_tracks.csv"
+        let is_of_role = |known: &str| match (role, estimates) {
+            (DatasetKind::Tracks, Estimates::Smoothed) => known == SMOOTHED_TRACKS,
+            (DatasetKind::Tracks, _) => known == name || known == "system_tracks.csv",
+            _ => known == name,
         };
         let Some(artifact) = artifacts
             .into_iter()
@@ -144,6 +152,16 @@ fn absent(request: &InputRequest) -> Fault {
             "not_found",
             format!("there is no dataset '{dataset_id}'"),
         ),
+        Source::Job {
+            job_id,
+            estimates: Estimates::Smoothed,
+            ..
+        } if request.role == DatasetKind::Tracks => Fault::new(
+            format!("{}/estimates", request.pointer),
+            "not_found",
+            format!("job '{job_id}' smoothed no tracks: it has no {SMOOTHED_TRACKS}"),
+        )
+        .allowing("a job with tracker.smoothing"),
         Source::Job { job_id, .. } => Fault::new(
             format!("{}/job_id", request.pointer),
             "not_found",

@@ -1,6 +1,7 @@
 //! Looking at jobs: one, many, their files, and what happens to them while someone waits.
 
 use super::{JobFilter, Jobs};
+use crate::experiment::Estimates;
 use crate::experiment::job_shape::with_kind;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
@@ -233,7 +234,10 @@ impl Jobs {
             DatasetKind::Truth,
             DatasetKind::Tracks,
         ] {
-            files.extend(self.locate_artifact(&id.to_string(), kind).await?);
+            files.extend(
+                self.locate_artifact(&id.to_string(), (kind, Estimates::Filtered))
+                    .await?,
+            );
         }
         let spec = self.storage.spec(id).await?;
         let metrics = artifacts

@@ -163,6 +163,17 @@ pub struct EvaluateResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub sequences: Option<Vec<SequenceMetrics>>,
+    /// The same tracks in the light of later scans, where `tracker.smoothing` asked for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub smoothed: Option<SmoothedMetrics>,
+}
+
+/// What the metrics say of smoothed tracks.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct SmoothedMetrics {
+    pub metrics: BTreeMap<String, MetricReport>,
+    pub events: EventCounts,
 }
 
 /// What a metric says. Its values over time, and those of each target and each track, are in the job's files.

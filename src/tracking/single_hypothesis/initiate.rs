@@ -2,6 +2,7 @@
 
 use super::initiation::{Initiation, Pair, PairRule, Point};
 use super::lifecycle::Lifecycle;
+use super::scratch::Scratch;
 use super::{ActiveTrack, SingleHypothesis};
 use crate::association::Needs;
 use crate::filtering::Filter;
@@ -107,10 +108,18 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
 
     /// Tells the recorder of a track that a detection started, alone or as the second of two.
     fn record_start(&mut self, track: &ActiveTrack, point: &Point<K>, recorder: &mut dyn Recorder) {
-        let kinematics = &mut self.scratch.kinematics;
+        let Scratch {
+            kinematics,
+            belief: packed,
+            ..
+        } = &mut self.scratch;
         kinematics.clear();
         point.state.pack_into(kinematics);
         let belief = self.filter.begin(&point.state);
+        packed.clear();
+        if self.lifecycle.smoothing.is_some() {
+            F::pack(&belief, packed);
+        }
         recorder.point(&RecordedPoint {
             serial: track.serial,
             scan_index: point.scan_index,
@@ -118,6 +127,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             sensor: point.sensor,
             status: track.life.status(),
             kinematics,
+            belief: packed,
             nis: None,
             modes: F::mode_probabilities(&belief),
             candidates: &[Candidate {

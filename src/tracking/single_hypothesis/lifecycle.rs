@@ -15,6 +15,7 @@ use super::confirmation::{CONFIRMATION, Confirmation, Score};
 use super::initiation::{INITIATION, Initiation};
 use crate::model::track::TrackStatus;
 use crate::registry::{Kind, Object, above, check, default, optional, whole};
+use crate::tracking::smoothing::{SMOOTHING, Smoothing};
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -75,6 +76,11 @@ pub static LIFECYCLE: Object = Object {
             "Standard deviation of each velocity component of a track of one point, which starts at rest. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
             above(0.0, 1e5, "m/s"),
         ),
+        optional(
+            "smoothing",
+            "Whether each estimate is made once more in the light of later scans: smoothed_tracks.csv beside tracks.csv, and the metrics of both.",
+            Kind::Union(&SMOOTHING),
+        ),
     ],
 };
 
@@ -90,6 +96,7 @@ pub struct Lifecycle {
     pub max_position_sigma_m: Option<f64>,
     #[serde(default = "assumed_speed_sigma_mps")]
     pub initial_speed_sigma_mps: f64,
+    pub smoothing: Option<Smoothing>,
 }
 
 /// As a request that says nothing has it.
@@ -237,6 +244,7 @@ mod tests {
         max_missed: 3,
         max_position_sigma_m: None,
         initial_speed_sigma_mps: 1.0,
+        smoothing: None,
     };
 
     fn statuses(lifecycle: &Lifecycle, detected: &str) -> String {

@@ -8,15 +8,16 @@ pub mod confirmation;
 mod initiate;
 pub mod initiation;
 pub mod lifecycle;
+mod scratch;
 mod written;
 
 use super::recorder::{RecordedPoint, Recorder};
 use super::{BuildTracker, GivenTrack, Nis, ScanOutcome, TrackEstimate, Tracker, TrackerParts};
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
-use crate::association::problem::{ScanProblem, Weights};
-use crate::association::{Associator, Needs, Trace};
-use crate::filtering::{Filter, Weighted, WithFilter};
-use crate::hypotheses::{Hypotheses, Look, bounds};
+use crate::association::problem::ScanProblem;
+use crate::association::{Associator, Trace};
+use crate::filtering::{Filter, WithFilter};
+use crate::hypotheses::{Look, bounds};
 use crate::model::fault::Fault;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
@@ -28,6 +29,7 @@ use crate::registry::Method;
 use initiate::pair_rule;
 use initiation::{Initiator, PairRule};
 use lifecycle::{LIFECYCLE, Lifecycle, TrackLifecycleState};
+use scratch::Scratch;
 
 const NAME: &str = "single_hypothesis";
 
@@ -84,17 +86,6 @@ struct SingleHypothesis<F: Filter<K>, const K: usize> {
     /// The problems of the confirmed tracks, when they are kept, and how many candidates they have.
     kept: Option<(Vec<ScanProblem>, usize)>,
     scratch: Scratch<F, K>,
-}
-
-/// What is written anew at each scan; memory is reused.
-struct Scratch<F: Filter<K>, const K: usize> {
-    hypotheses: Hypotheses<F, K>,
-    weights: Weights,
-    /// Indices of the tracks that are confirmed, and of the others.
-    members: [Vec<u32>; 2],
-    weighted: Vec<Weighted<F::Change>>,
-    candidates: Vec<Candidate>,
-    kinematics: Vec<f64>,
 }
 
 /// Makes the tracker of a filter.
@@ -299,9 +290,18 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
 
     /// Tells the recorder of a track at this scan, with the candidates at hand.
     fn record(&mut self, index: usize, scan: &Scan, nis: Option<f64>, recorder: &mut dyn Recorder) {
-        let kinematics = &mut self.scratch.kinematics;
+        let Scratch {
+            kinematics,
+            belief,
+            candidates,
+            ..
+        } = &mut self.scratch;
         kinematics.clear();
         F::kinematics(&self.memory.beliefs[index]).pack_into(kinematics);
+        belief.clear();
+        if self.lifecycle.smoothing.is_some() {
+            F::pack(&self.memory.beliefs[index], belief);
+        }
         let track = &self.memory.tracks[index];
         recorder.point(&RecordedPoint {
             serial: track.serial,
@@ -310,9 +310,10 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             sensor: scan.sensor,
             status: track.life.status(),
             kinematics,
+            belief,
             nis,
             modes: F::mode_probabilities(&self.memory.beliefs[index]),
-            candidates: &self.scratch.candidates,
+            candidates,
         });
     }
 
@@ -347,19 +348,6 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             } else {
                 others.push(index as u32);
             }
-        }
-    }
-}
-
-impl<F: Filter<K>, const K: usize> Scratch<F, K> {
-    fn new(gate_probability: f64, needs: Needs) -> Self {
-        Scratch {
-            hypotheses: Hypotheses::new(gate_probability, needs),
-            weights: Weights::default(),
-            members: Default::default(),
-            weighted: Vec::new(),
-            candidates: Vec::new(),
-            kinematics: Vec::new(),
         }
     }
 }

@@ -1,0 +1,33 @@
+//! Memory that the tracker writes anew at each scan.
+
+use crate::association::Needs;
+use crate::association::problem::Weights;
+use crate::filtering::{Filter, Weighted};
+use crate::hypotheses::Hypotheses;
+use crate::model::track::Candidate;
+
+pub(super) struct Scratch<F: Filter<K>, const K: usize> {
+    pub hypotheses: Hypotheses<F, K>,
+    pub weights: Weights,
+    /// Indices of the tracks that are confirmed, and of the others.
+    pub members: [Vec<u32>; 2],
+    pub weighted: Vec<Weighted<F::Change>>,
+    pub candidates: Vec<Candidate>,
+    /// Of the point that is told.
+    pub kinematics: Vec<f64>,
+    pub belief: Vec<f64>,
+}
+
+impl<F: Filter<K>, const K: usize> Scratch<F, K> {
+    pub fn new(gate_probability: f64, needs: Needs) -> Self {
+        Scratch {
+            hypotheses: Hypotheses::new(gate_probability, needs),
+            weights: Weights::default(),
+            members: Default::default(),
+            weighted: Vec::new(),
+            candidates: Vec::new(),
+            kinematics: Vec::new(),
+            belief: Vec::new(),
+        }
+    }
+}
