@@ -7,6 +7,7 @@ pub mod gates;
 mod heights;
 pub mod layers;
 pub mod metrics;
+mod modes;
 pub mod plan;
 pub mod preview;
 mod reduction;

@@ -1,9 +1,10 @@
-//! Series over time: the probability of each candidate of each track, what each scan held, gates and bearings.
+//! Series over time: the probability of each candidate and each motion model of each track, what each scan held, gates and bearings.
 
 use super::bearing_time::{self, BearingTimeSeries};
 use super::gates::{self, GatesSeries};
 use super::layers::JobLayers;
 use super::metrics::{MetricsSeries, over_time};
+use super::modes::{self, ModeProbabilitySeries};
 use super::{Method, Reduced, Window, detection_id, points, scans};
 use crate::model::scan::Recording;
 use crate::model::track::{TrackSet, TrackStatus};
@@ -15,9 +16,12 @@ use utoipa::ToSchema;
 pub type MakeSeries = fn(&JobLayers, &Window) -> Series;
 
 /// Every series, by name.
-pub const SERIES: [(&str, MakeSeries); 5] = [
+pub const SERIES: [(&str, MakeSeries); 6] = [
     ("track_probability", |layers, window| {
         Series::TrackProbability(track_probability(layers, window))
+    }),
+    ("mode_probability", |layers, window| {
+        Series::ModeProbability(modes::of(layers, window))
     }),
     ("scan_counts", |layers, window| {
         Series::ScanCounts(scan_counts(layers, window))
@@ -38,6 +42,7 @@ pub const SERIES: [(&str, MakeSeries); 5] = [
 #[serde(untagged)]
 pub enum Series {
     TrackProbability(TrackProbabilitySeries),
+    ModeProbability(ModeProbabilitySeries),
     ScanCounts(ScanCountsSeries),
     BearingTime(BearingTimeSeries),
     Gates(Box<GatesSeries>),

@@ -18,6 +18,7 @@ import type {
   JobPage,
   Methods,
   MetricsSeries,
+  ModeProbability,
   Plan,
   Preset,
   Problem,
@@ -132,6 +133,8 @@ function series<T>(id: string, name: string, query: { track?: string }): Promise
 
 export const getTrackProbability = (id: string, track: string): Promise<TrackProbability> =>
   series(id, "track_probability", { track });
+export const getModeProbability = (id: string, track: string): Promise<ModeProbability> =>
+  series(id, "mode_probability", { track });
 export const getGates = (id: string, track: string): Promise<Gates> =>
   series(id, "gates", { track });
 export const getMetricSeries = (id: string): Promise<MetricsSeries> => series(id, "metrics", {});

@@ -34,6 +34,7 @@ export type ScanCounts = Schemas["ScanCountsSeries"];
 export type TargetVerdict = Schemas["TfaTarget"];
 export type Tfa = Schemas["Tfa"];
 export type TrackProbability = Schemas["TrackProbabilitySeries"];
+export type ModeProbability = Schemas["ModeProbabilitySeries"];
 export type Validation = Schemas["ValidationResult"];
 
 export type Units = Schemas["Units"];

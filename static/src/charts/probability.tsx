@@ -177,7 +177,7 @@ function draw(chart: Chart, rows: Row[], clock: Clock): void {
 }
 
 /** A click moves the clock to the scan under it. */
-function seekOnClick(chart: Chart, clock: Clock): () => void {
+export function seekOnClick(chart: Chart, clock: Clock): () => void {
   const pressed = (event: { offsetX: number; offsetY: number }) => {
     if (!chart.containPixel("grid", [event.offsetX, event.offsetY])) return;
     const [shown] = chart.convertFromPixel("grid", [

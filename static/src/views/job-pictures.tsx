@@ -26,6 +26,7 @@ import { ClockBar } from "../charts/clock-bar";
 import { heightScene } from "../charts/height-scene";
 import { HeightTimeChart } from "../charts/height-time";
 import { type Levels, readLevels } from "../charts/levels";
+import { ModesChart } from "../charts/modes";
 import { PlanView } from "../charts/plan-view";
 import { ProbabilityChart } from "../charts/probability";
 import { type LocalPoint, memberName, sceneOf } from "../charts/scene";
@@ -127,7 +128,8 @@ export function JobPictures({ job, report }: { job: Job; report: Report }): JSX.
 
 function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Report }): JSX.Element {
   const { plan, locals, bearings } = drawn;
-  const { tfa } = partsOf(report);
+  const { tfa, association } = partsOf(report);
+  const models = (association?.models ?? []).map((line) => line.model);
   const scene = useMemo(() => sceneOf(plan, locals, membersOf(report)), [plan]);
   const clock = useMemo(() => createClock(scene.times, scene.numbers), [scene]);
   const directions = useMemo(() => (bearings ? bearingScene(bearings) : undefined), [bearings]);
@@ -184,6 +186,9 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
         <TupleNote report={report} />
         {hasTracks && job.kind !== "correlate" ? (
           <ProbabilityChart jobId={job.id} track={track} clock={clock} />
+        ) : null}
+        {models.length && track ? (
+          <ModesChart jobId={job.id} track={track} models={models} clock={clock} />
         ) : null}
       </aside>
     </div>
