@@ -68,21 +68,20 @@ before(async () => {
 });
 after(() => browser.close());
 
-/** Holds a file over the page and lets it go there. */
-async function drop(page, name, text) {
-  const dataTransfer = await page.evaluateHandle(
-    ([called, content]) => {
-      const held = new DataTransfer();
-      held.items.add(new File([content], called));
-      return held;
-    },
-    [name, text],
-  );
+/** Holds files over the page and lets them go there. */
+async function dropAll(page, files) {
+  const dataTransfer = await page.evaluateHandle((all) => {
+    const held = new DataTransfer();
+    for (const [called, content] of all) held.items.add(new File([content], called));
+    return held;
+  }, files);
   await page.dispatchEvent("h1", "dragover", { dataTransfer });
   await page.locator(".drop-page.over").waitFor();
   await page.dispatchEvent("h1", "drop", { dataTransfer });
   await page.locator(".drop-page.over").waitFor({ state: "detached" });
 }
+
+const drop = (page, name, text) => dropAll(page, [[name, text]]);
 
 async function dropped(name, text) {
   const page = await openPage(browser, "?view=datasets");
@@ -409,3 +408,22 @@ for (const theme of ["light", "dark"]) {
     }
   });
 }
+
+test("of several dropped files one comes after the other, and one may be skipped", async () => {
+  const page = await openPage(browser, "?view=datasets");
+  const truth = (name) => [name, `time_s,truth_id,x_m,y_m\n0,${name},0,0\n1,${name},1,1\n`];
+  await dropAll(page, ["one.csv", "two.csv", "three.csv"].map(truth));
+  await page.getByText("2 more files: two.csv, three.csv").waitFor();
+  await page.locator(".found").waitFor();
+  await upload(page).click();
+  await page.getByText("1 more file: three.csv").waitFor();
+  await page.getByRole("link", { name: "one.csv" }).first().waitFor();
+  await page.getByRole("button", { name: "Skip this one" }).click();
+  await page.getByText("1 more file").waitFor({ state: "detached" });
+  await page.locator(".found").waitFor();
+  await upload(page).click();
+  await page.getByRole("heading", { name: "three.csv" }).waitFor();
+  const found = await (await fetch(`${BASE}/v1/datasets?q=two.csv`)).json();
+  assert.equal(found.items.length, 0);
+  await closePage(page);
+});

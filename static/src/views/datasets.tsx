@@ -57,11 +57,17 @@ export function Datasets(): JSX.Element {
       error.value = failure;
     }
   };
-  const dropped = useSignal<File | undefined>(undefined);
-  const isOver = useDrop(([first]) => {
-    dropped.value = first;
+  const waiting = useSignal<File[]>([]);
+  const isOver = useDrop((files) => {
+    waiting.value = files;
     setParams({ upload: "1" });
   });
+  const [dropped, ...rest] = waiting.value;
+  const done = (dataset: Dataset) => {
+    if (!rest.length) go(pageHref({ view: "dataset", dataset: dataset.id }));
+    waiting.value = rest;
+    round.value += 1;
+  };
   const uploading = param("upload") === "1";
   return (
     <section class={isOver ? "drop-page over" : "drop-page"}>
@@ -72,7 +78,7 @@ export function Datasets(): JSX.Element {
           class="primary"
           aria-expanded={uploading}
           onClick={() => {
-            dropped.value = undefined;
+            waiting.value = [];
             setParams({ upload: uploading ? null : "1", like: null });
           }}
         >
@@ -83,11 +89,14 @@ export function Datasets(): JSX.Element {
         <Upload
           id="upload"
           expected={undefined}
-          dropped={dropped.value}
+          dropped={dropped}
           like={param("like") ?? undefined}
           unlike={() => setParams({ like: null })}
-          done={(dataset) => go(pageHref({ view: "dataset", dataset: dataset.id }))}
+          done={done}
         />
+      ) : null}
+      {uploading && rest.length ? (
+        <Waiting files={rest} skip={() => (waiting.value = rest)} />
       ) : null}
       <Filters />
       {error.value ? <ProblemBox error={error.value} retry={() => (round.value += 1)} /> : null}
@@ -97,6 +106,20 @@ export function Datasets(): JSX.Element {
         <Loading what="data sets" />
       )}
     </section>
+  );
+}
+
+/** The files that were dropped with the one in the form: each comes when it is done. */
+function Waiting({ files, skip }: { files: File[]; skip: () => void }): JSX.Element {
+  return (
+    <p class="row" role="status">
+      <span>
+        {plural(files.length, "more file")}: {files.map((file) => file.name).join(", ")}
+      </span>
+      <button type="button" onClick={skip}>
+        Skip this one
+      </button>
+    </p>
   );
 }
 
