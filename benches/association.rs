@@ -256,6 +256,7 @@ fn tracked_with(
             confirm_hits: 3,
             confirm_window: 5,
             max_missed: 5,
+            max_missed_s: None,
             max_position_sigma_m: None,
             initial_speed_sigma_mps,
         },
@@ -268,6 +269,7 @@ fn tracked_with(
                 sigma_x_m,
                 sigma_y_m,
             },
+            sight: None,
         }],
         given: Vec::new(),
     };

@@ -180,6 +180,7 @@ fn parts(filter: AnyFilter, method: &str, scenario: &Scenario) -> TrackerParts {
             confirm_hits: 3,
             confirm_window: 5,
             max_missed: 5,
+            max_missed_s: None,
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 5.0,
             smoothing: None,
@@ -193,6 +194,7 @@ fn parts(filter: AnyFilter, method: &str, scenario: &Scenario) -> TrackerParts {
                 sigma_x_m: 10.0,
                 sigma_y_m: 10.0,
             },
+            sight: None,
         }],
         given: Vec::new(),
     }

@@ -167,6 +167,7 @@ fn parts_of(spec: &Value) -> Result<TrackerParts, Failure> {
                 sigma_x_m,
                 sigma_y_m,
             },
+            sight: None,
         }],
         given: Vec::new(),
     })

@@ -139,6 +139,7 @@ impl Flights {
             confirm_hits: 3,
             confirm_window: 5,
             max_missed: 5,
+            max_missed_s: None,
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 1.0,
             smoothing: None,
@@ -153,6 +154,7 @@ impl Flights {
             clutter_density: self.clutter_per_m2,
             may_start: true,
             report,
+            sight: None,
         };
         TrackerParts {
             filter: AnyFilter::kalman(1.0),

@@ -139,6 +139,12 @@ impl ScanProblem {
         self.edges.push(edge);
     }
 
+    /// The edges pushed since the last row was closed.
+    pub fn open_edges(&self) -> &[Edge] {
+        let first = self.rows.last().map_or(0, |row| row.first + row.count);
+        &self.edges[first as usize..]
+    }
+
     /// Closes a row: every edge pushed since the last one is its.
     #[inline]
     pub fn end_row(&mut self, log_missed: f64, log_gate_clutter: f64) {

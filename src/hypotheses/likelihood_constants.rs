@@ -1,8 +1,14 @@
-//! What the likelihoods of a scan have in common.
+//! What the likelihoods of a scan have in common, and what of them differs from track to track.
 
+use crate::model::scan::Scan;
 use crate::model::sensor::Sensor;
+use crate::model::sight::Sight;
+use crate::model::state::{GaussianState, Position};
 
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LikelihoodConstants {
+    /// P_D.
+    pub p_d: f64,
     /// ln λ.
     pub log_clutter: f64,
     /// ln(P_D / λ).
@@ -12,11 +18,54 @@ pub struct LikelihoodConstants {
 }
 
 impl LikelihoodConstants {
+    /// Where the sensor sees as it is said to see everywhere.
     pub fn new(sensor: &Sensor, gate_probability: f64) -> Self {
+        Self::of(sensor.p_d, sensor, gate_probability)
+    }
+
+    fn of(p_d: f64, sensor: &Sensor, gate_probability: f64) -> Self {
         LikelihoodConstants {
+            p_d,
             log_clutter: sensor.clutter_density.ln(),
-            log_density: (sensor.p_d / sensor.clutter_density).ln(),
-            log_missed: (1.0 - sensor.p_d * gate_probability).ln(),
+            log_density: (p_d / sensor.clutter_density).ln(),
+            log_missed: (1.0 - p_d * gate_probability).ln(),
+        }
+    }
+}
+
+/// The likelihoods of a scan by what its sensor sees of each track.
+#[derive(Debug, Clone, Copy)]
+pub struct Likelihoods<'a> {
+    usual: LikelihoodConstants,
+    sensor: &'a Sensor,
+    gate_probability: f64,
+    /// Where the sensor does not see the same everywhere; and from where it sees.
+    sight: Option<(&'a Sight, Position)>,
+}
+
+impl<'a> Likelihoods<'a> {
+    pub fn new(sensor: &'a Sensor, scan: &Scan, gate_probability: f64) -> Self {
+        let sight = sensor.sight.as_ref();
+        Likelihoods {
+            usual: LikelihoodConstants::new(sensor, gate_probability),
+            sensor,
+            gate_probability,
+            sight: sight.map(|sight| (sight, sight.place_in(scan))),
+        }
+    }
+
+    /// Of a track with these kinematics.
+    #[inline]
+    pub fn of<const K: usize>(
+        &self,
+        kinematics: impl FnOnce() -> GaussianState<K>,
+    ) -> LikelihoodConstants {
+        match self.sight {
+            None => self.usual,
+            Some((sight, from_m)) => {
+                let p_d = sight.mean_p_d(&kinematics(), &from_m);
+                LikelihoodConstants::of(p_d, self.sensor, self.gate_probability)
+            }
         }
     }
 }

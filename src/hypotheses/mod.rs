@@ -12,7 +12,7 @@ mod detections;
 mod likelihood_constants;
 pub mod region;
 
-pub use likelihood_constants::LikelihoodConstants;
+pub use likelihood_constants::{LikelihoodConstants, Likelihoods};
 
 use crate::association::Needs;
 use crate::association::problem::{Edge, ScanProblem};
@@ -35,6 +35,10 @@ pub struct Hypotheses<F: Filter<K>, const K: usize> {
     problem: ScanProblem,
     /// The tracks of the problem's rows.
     rows: Vec<(u32, F::Loss)>,
+    /// P_D of each.
+    p_d: Vec<f64>,
+    /// ln of the density of clutter at each detection over the sensor's; empty where it is that everywhere.
+    log_clutter_ratios: Vec<f64>,
     /// Of each of the problem's edges.
     changes: Vec<F::Change>,
     /// Tracks of which nothing can be expected any more.
@@ -62,13 +66,24 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             detections: Detections::default(),
             problem: ScanProblem::default(),
             rows: Vec::new(),
+            p_d: Vec::new(),
+            log_clutter_ratios: Vec::new(),
             changes: Vec::new(),
             lost: Vec::new(),
         }
     }
 
-    /// Step 1.
-    pub fn begin_scan(&mut self, filter: &F, report: &MeasurementModel, detections: &[Detection]) {
+    /// Step 1. `clutter_ratios` says ln of the density of clutter at each detection over the sensor's; nothing where it is that
+    /// everywhere.
+    pub fn begin_scan(
+        &mut self,
+        filter: &F,
+        report: &MeasurementModel,
+        detections: &[Detection],
+        clutter_ratios: impl FnOnce(&mut Vec<f64>),
+    ) {
+        self.log_clutter_ratios.clear();
+        clutter_ratios(&mut self.log_clutter_ratios);
         if self.needs == Needs::Amplitudes {
             // What has no amplitude is weaker than everything that has.
             self.problem.set_amplitudes(
@@ -98,10 +113,11 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
     ) -> Result<(), Halt> {
         self.problem.begin(problem_index, self.detections.len());
         self.rows.clear();
+        self.p_d.clear();
         self.changes.clear();
         self.lost.clear();
         let work = Writing {
-            constants: LikelihoodConstants::new(look.sensor, self.gate_probability),
+            likelihoods: Likelihoods::new(look.sensor, look.scan, self.gate_probability),
             hypotheses: self,
             look,
             beliefs,
@@ -176,6 +192,19 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         &self.rows[row].1
     }
 
+    /// How probable it was that the sensor detects the target of a row.
+    #[inline]
+    pub fn p_d(&self, row: usize) -> f64 {
+        self.p_d[row]
+    }
+
+    /// ln of the density of clutter at a detection over the sensor's.
+    #[inline]
+    pub fn log_clutter_ratio(&self, detection: usize) -> f64 {
+        let ratio = self.log_clutter_ratios.get(detection);
+        ratio.copied().unwrap_or_default()
+    }
+
     /// The tracks of which nothing can be expected any more: their covariance has left the range of numbers.
     pub fn lost(&self) -> &[u32] {
         &self.lost
@@ -205,17 +234,22 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         let log_scale = corrector.log_clutter_scale(&expected.measurement);
         let log_density = constants.log_density - log_scale;
         let (problem, changes) = (&mut self.problem, &mut self.changes);
-        let mut found = |detection, innovation, squared_distance| {
+        let ratios = self.log_clutter_ratios.as_slice();
+        let mut found = |detection: u32, innovation, squared_distance| {
             let (change, log_there) = C::assess(gain, expected, &innovation, squared_distance);
             changes.push(change);
+            let more_clutter = ratios.get(detection as usize).copied().unwrap_or_default();
             problem.push_edge(Edge {
                 detection,
                 squared_distance,
-                log_likelihood: log_density + log_there,
+                log_likelihood: log_density + log_there - more_clutter,
             });
         };
         let (detections, gate) = (&self.detections, &self.gate);
         match self.needs {
+            // What the sensor does not see it does not report.
+            Needs::OriginsInGates if constants.p_d <= 0.0 => self.problem.push_own(None),
+            _ if constants.p_d <= 0.0 => {}
             Needs::Origins => detections.of_target(origin, expected, C::ANGLE, found),
             Needs::OriginsInGates => {
                 let own = detections.own(origin);
@@ -239,11 +273,26 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
                 expected.gaussian.inverse().as_slice(),
             );
         }
+        let more_clutter = self.mean_log_clutter_ratio();
         self.problem.end_row(
             constants.log_missed,
-            constants.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian),
+            constants.log_clutter
+                + more_clutter
+                + log_scale
+                + self.gate.log_volume(&expected.gaussian),
         );
         self.rows.push((track, C::loss(gain)));
+        self.p_d.push(constants.p_d);
+    }
+
+    /// ln of the density of clutter over the sensor's, on average at the candidates of the row that is written.
+    fn mean_log_clutter_ratio(&self) -> f64 {
+        if self.log_clutter_ratios.is_empty() {
+            return 0.0;
+        }
+        let edges = self.problem.open_edges().iter();
+        let ratios = edges.map(|edge| self.log_clutter_ratios[edge.detection as usize]);
+        ratios.sum::<f64>() / self.problem.open_edges().len().max(1) as f64
     }
 
     /// Whether the problem, as far as it is written, is small enough, and whether to go on.
@@ -299,7 +348,7 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Reading<'_, F, K> {
 
 struct Writing<'a, F: Filter<K>, O, const K: usize> {
     hypotheses: &'a mut Hypotheses<F, K>,
-    constants: LikelihoodConstants,
+    likelihoods: Likelihoods<'a>,
     look: Look<'a, F, F::Step>,
     beliefs: &'a mut [F::Belief],
     members: &'a [u32],
@@ -322,8 +371,9 @@ impl<F: Filter<K>, O: Fn(u32) -> Option<u32>, const K: usize> WithCorrector<F, K
                 continue;
             };
             let of_track = (track, (self.origin_of)(track));
+            let constants = self.likelihoods.of(|| F::kinematics(belief));
             self.hypotheses
-                .push_row(corrector, &self.constants, of_track, &expected);
+                .push_row(corrector, &constants, of_track, &expected);
             self.hypotheses.check(self.look.scan, self.watch)?;
         }
         Ok(())

@@ -19,6 +19,7 @@ pub mod scan_numbers;
 pub mod scenario;
 pub mod sensing;
 pub mod sensor;
+pub mod sight;
 pub mod space;
 pub mod state;
 pub mod time;

@@ -2,6 +2,8 @@
 
 use super::scan::Scan;
 use super::sensing::MeasurementModel;
+use super::sight::clutter::ClutterSettings;
+use super::sight::{SectorSettings, Sight, ViewSettings};
 use serde::{Deserialize, Serialize};
 
 /// What is known of a sensor; what is absent comes from the data or from the request that uses it.
@@ -64,6 +66,26 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub may_start: Option<bool>,
+    /// Where the sensor sees at all, around the place where it is; everywhere when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub field_of_view: Option<ViewSettings>,
+    /// Where it sees otherwise; the first that holds a place says it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub sectors: Option<Vec<SectorSettings>>,
+    /// Range at which the probability of detection is `p_d`: with it the probability falls with the range.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub p_d_at_m: Option<f64>,
+    /// With `p_d_at_m`: probability of a false alarm in a resolution cell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub p_fa: Option<f64>,
+    /// How the density of clutter is known, if not as the number that is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub clutter: Option<ClutterSettings>,
 }
 
 impl SensorSettings {
@@ -97,6 +119,8 @@ impl SensorSettings {
             ("sigma_range_m", self.sigma_range_m, POSITIVE),
             ("sigma_bearing_deg", self.sigma_bearing_deg, POSITIVE),
             ("sigma_range_rate_mps", self.sigma_range_rate_mps, POSITIVE),
+            ("p_d_at_m", self.p_d_at_m, POSITIVE),
+            ("p_fa", self.p_fa, PROBABILITY),
         ];
         let misfits = checks
             .into_iter()
@@ -130,6 +154,11 @@ impl SensorSettings {
             sigma_bearing_deg: other.sigma_bearing_deg.or(self.sigma_bearing_deg),
             sigma_range_rate_mps: other.sigma_range_rate_mps.or(self.sigma_range_rate_mps),
             may_start: other.may_start.or(self.may_start),
+            field_of_view: other.field_of_view.or(self.field_of_view),
+            sectors: other.sectors.clone().or_else(|| self.sectors.clone()),
+            p_d_at_m: other.p_d_at_m.or(self.p_d_at_m),
+            p_fa: other.p_fa.or(self.p_fa),
+            clutter: other.clutter.or(self.clutter),
         }
     }
 }
@@ -152,6 +181,8 @@ pub struct Sensor {
     /// Whether a report that no track uses may start a track.
     pub may_start: bool,
     pub report: MeasurementModel,
+    /// What it sees, where that is not the same everywhere.
+    pub sight: Option<Sight>,
 }
 
 impl Sensor {
@@ -166,6 +197,7 @@ impl Sensor {
                 sigma_x_m: sigma_m,
                 sigma_y_m: sigma_m,
             },
+            sight: None,
         }
     }
 

@@ -91,6 +91,7 @@ mod tests {
             clutter_density: 0.0,
             may_start: true,
             report,
+            sight: None,
         }
     }
 

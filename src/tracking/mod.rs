@@ -13,6 +13,7 @@ use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
 use crate::model::scan::Scan;
 use crate::model::sensor::Sensor;
+use crate::model::sight::clutter::ClutterMap;
 use crate::model::track::TrackStatus;
 use crate::model::watch::{Halt, Watch};
 use crate::registry::Method;
@@ -60,6 +61,9 @@ pub trait Tracker: Send {
 
     /// How well the detections fitted so far.
     fn nis(&self) -> Nis;
+
+    /// The map of clutter of each sensor that learns one.
+    fn clutter_maps(&self) -> &[Option<ClutterMap>];
 
     /// What the associator says of all it did so far.
     fn diagnostics(&self) -> Option<serde_json::Value>;

@@ -53,6 +53,7 @@ fn sensor(report: MeasurementModel) -> Sensor {
         clutter_density: 1e-8,
         may_start: true,
         report,
+        sight: None,
     }
 }
 

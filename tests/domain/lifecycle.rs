@@ -28,6 +28,7 @@ const LIFE: Lifecycle = Lifecycle {
     confirm_hits: 2,
     confirm_window: 3,
     max_missed: 4,
+    max_missed_s: None,
     max_position_sigma_m: None,
     initial_speed_sigma_mps: 10.0,
     smoothing: None,
@@ -91,6 +92,7 @@ fn tracked(
         clutter_density,
         may_start: true,
         report,
+        sight: None,
     }];
     let mut tracker = (TRACKERS[0].build)(TrackerParts {
         filter: AnyFilter::kalman(1.0),

@@ -21,6 +21,7 @@ mod campaigns;
 mod correlate_jobs;
 mod correlators;
 mod defaults;
+mod detectability;
 mod determinism;
 mod distances;
 mod evaluation_jobs;

@@ -307,6 +307,7 @@ fn lifecycle(values: &Values) -> Lifecycle {
         confirm_hits: 1,
         confirm_window: 1,
         max_missed: 5,
+        max_missed_s: None,
         max_position_sigma_m: None,
         initial_speed_sigma_mps: values.initial_speed_sigma_mps,
         smoothing: None,
@@ -327,6 +328,7 @@ fn a_tracker_believes_after_every_scan_what_stone_soup_does() {
         clutter_density: 1e-9,
         may_start: settings.sensor_id != "camera",
         report: values.model(&settings.sensor_id),
+        sight: None,
     });
     let sensors: Vec<Sensor> = sensors.collect();
     for name in FILTER_NAMES {

@@ -62,6 +62,7 @@ fn camera_at(place_m: Position) -> Sensor {
             place_m,
             sigma_bearing_rad: 0.005,
         }),
+        sight: None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The part `association` of a report.
 
+use super::clutter::ClutterLine;
 use super::speeds::Taken;
 use super::track::Tracked;
 use crate::experiment::input::DetectionResult;
@@ -35,6 +36,10 @@ pub struct Association {
     #[cfg_attr(feature = "service", schema(nullable = false))]
     models: Option<Vec<ModelLine>>,
     sensors: Vec<SensorSettings>,
+    /// The densities of clutter that were used, one a sensor; absent where each was given as one number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    clutter: Option<Vec<ClutterLine>>,
     /// Tracks that were confirmed.
     tracks: Vec<TrackLine>,
     /// What the associator says of its own work; each has its own fields.
@@ -118,6 +123,7 @@ pub fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSetting
             .as_ref()
             .map(|models| model_lines(set, models)),
         sensors: sensors.to_vec(),
+        clutter: tracked.clutter.clone(),
         tracks: lines,
         diagnostics: tracked.diagnostics.clone(),
         taken: (!tracked.taken.is_empty()).then(|| tracked.taken.clone()),

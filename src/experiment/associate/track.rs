@@ -1,10 +1,11 @@
 //! Runs the tracker over a recording.
 
 use super::auto_filter::SettledTracking;
+use super::clutter::{self, ClutterLine};
 use super::report::NisReport;
 use super::speeds::{self, Taken};
 use super::truth_initiation::{self, Start};
-use super::{clutter, no_tracks, noise, scan_gaps};
+use super::{no_tracks, noise, scan_gaps};
 use crate::association::{Associator, BuildAssociator, Needs, Trace};
 use crate::experiment::files::datasets;
 use crate::experiment::input::{JobData, sensors};
@@ -20,6 +21,7 @@ use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::scenario::Scenario;
 use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::sight::clutter::ClutterMap;
 use crate::model::track::TrackSet;
 use crate::model::watch::Watch;
 use crate::tracking::{
@@ -43,6 +45,10 @@ pub struct Tracked {
     pub models: Option<Models>,
     /// What the associator says of its work.
     pub diagnostics: Option<Value>,
+    /// The clutter that was used, where it was not given as one number.
+    pub clutter: Option<Vec<ClutterLine>>,
+    /// Maps of clutter at the end.
+    maps: Vec<Option<ClutterMap>>,
     /// How long the associator took, where that was asked for.
     pub association_time: Option<AssociationTime>,
     /// What the associator wrote down step by step.
@@ -135,6 +141,7 @@ fn track_with(
         filter: tracking.chosen.clone(),
         ..taken
     };
+    tracked.clutter = clutter::lines(&resolved, &tracked.tracks, &tracked.maps);
     warnings.extend(scan_gaps::warning(recording));
     warnings.extend(noise::warning(&tracked.nis, lifecycle.gate_probability));
     warnings.extend(no_tracks::warning(&tracked, &resolved, &lifecycle, filter));
@@ -224,6 +231,7 @@ impl<'a> TrackerRun<'a> {
             updates: tracker.nis().updates,
             dimensions,
         };
+        let maps = tracker.clutter_maps().to_vec();
         let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
         let association_time = if is_timed {
             time_association(tracker.as_mut(), recording.scans.len(), observer)
@@ -240,6 +248,8 @@ impl<'a> TrackerRun<'a> {
             nis,
             models: filter.models().copied(),
             diagnostics,
+            clutter: None,
+            maps,
             association_time,
             trace,
             taken: Taken::default(),
@@ -326,7 +336,11 @@ pub fn nothing_starts(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault
 
 /// A fault where a sensor never misses and nothing is outside a gate.
 pub fn unbounded_gate(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault> {
-    if lifecycle.gate_probability < 1.0 || sensors.iter().all(|sensor| sensor.p_d < 1.0) {
+    let highest_p_d = |sensor: &Sensor| {
+        let sight = sensor.sight.as_ref();
+        sight.map_or(sensor.p_d, |sight| sight.highest_p_d())
+    };
+    if lifecycle.gate_probability < 1.0 || sensors.iter().all(|sensor| highest_p_d(sensor) < 1.0) {
         return None;
     }
     let detail = "without a gate a target of P_D = 1 is never without a detection: no assignment could leave it alone";

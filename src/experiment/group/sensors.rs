@@ -37,6 +37,7 @@ pub fn usable_sensors(
                 clutter_density: 0.0,
                 may_start: true,
                 report,
+                sight: None,
             }),
             Err(found) => faults.extend(found),
         }

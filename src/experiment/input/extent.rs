@@ -30,14 +30,24 @@ impl Extent {
             Space::Bearing => arc_deg(recording, sensor),
             Space::Plane | Space::Volume => area_m2(recording, sensor, settings),
         };
+        let view = settings.field_of_view.unwrap_or_default();
+        let limits = view.limits();
         let field_of_view = |range_m: f64| match space {
-            Space::Bearing => 360.0,
-            Space::Plane | Space::Volume => PI * range_m * range_m,
+            Space::Bearing => limits.arc_rad().1.to_degrees(),
+            Space::Plane | Space::Volume => {
+                // Of the whole turn exactly π r².
+                let turn = limits.arc_rad().1 / TAU;
+                turn * (PI * range_m * range_m - PI * limits.range_from_m().powi(2))
+            }
         };
+        let is_arc = space == Space::Bearing && settings.field_of_view.is_some();
+        let range_to_m = view.range_to_m.or(settings.max_range_m);
         Extent {
             space,
             seen,
-            watched: settings.max_range_m.map_or(seen, field_of_view),
+            watched: range_to_m
+                .or(is_arc.then_some(0.0))
+                .map_or(seen, field_of_view),
         }
     }
 
@@ -87,6 +97,17 @@ pub fn place_of(settings: &SensorSettings) -> Position {
 }
 
 fn area_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
+    corners(recording, sensor, settings).map_or(0.0, |(low_m, high_m)| {
+        (high_m[0] - low_m[0]) * (high_m[1] - low_m[1])
+    })
+}
+
+/// The rectangle that holds every detection, by its corners; `None` of none.
+pub fn corners(
+    recording: &Recording,
+    sensor: usize,
+    settings: &SensorSettings,
+) -> Option<(Position, Position)> {
     let place_m = place_of(settings);
     let mut positions: Vec<Position> = Vec::new();
     for scan in recording.scans.iter().filter(|scan| scan.sensor == sensor) {
@@ -97,15 +118,10 @@ fn area_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f
             .map(|detection| detection.measurement);
         positions.extend(seen.filter_map(|measurement| measurement.position_seen_from(&from_m)));
     }
-    let extent_m = |axis: usize| {
-        let values = || positions.iter().map(|position| position[axis]);
-        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
-    };
-    if positions.is_empty() {
-        0.0
-    } else {
-        extent_m(0) * extent_m(1)
-    }
+    let first = positions.first()?;
+    let low_m = positions.iter().fold(*first, |low, place| low.inf(place));
+    let high_m = positions.iter().fold(*first, |high, place| high.sup(place));
+    Some((low_m, high_m))
 }
 
 /// The whole turn without the widest gap between neighbouring bearings.

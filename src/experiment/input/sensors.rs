@@ -2,6 +2,7 @@
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
 mod place;
+mod sight;
 
 use super::extent::{Extent, detections_of, place_of, space_of};
 use crate::experiment::job::refuse_any;
@@ -11,13 +12,13 @@ use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
 use crate::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
 use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::sight::clutter::LEAST_CLUTTER;
 use crate::model::space::Space;
 use crate::model::state::Position;
+use sight::with_sight;
 
 /// Assumed when nobody says how often a target is detected.
 const ASSUMED_P_D: f64 = 0.9;
-/// No scene is so clean that a false detection is impossible; keeps likelihood ratios finite. Per m² or per degree.
-const LEAST_CLUTTER: f64 = 1e-15;
 
 /// What is known of each sensor of the recording, request over upload over data.
 ///
@@ -112,11 +113,13 @@ pub fn resolve(
         let report = reader.report(kind, rates_mps, warnings);
         let locates = !filter.filter.space().has_places() || report.locates();
         faults.extend(unable_start(settings, locates));
-        let sensor = complete(recording, index, settings, report, warnings);
-        sensors.push(Sensor {
-            may_start: settings.may_start.unwrap_or(locates),
-            ..sensor
-        });
+        match complete(recording, index, settings, report, warnings) {
+            Ok(sensor) => sensors.push(Sensor {
+                may_start: settings.may_start.unwrap_or(locates),
+                ..sensor
+            }),
+            Err(found) => faults.extend(found),
+        }
     }
     if !filter.filter.space().has_places() {
         faults.extend(two_places(known));
@@ -449,7 +452,7 @@ fn complete(
     settings: &SensorSettings,
     report: MeasurementModel,
     warnings: &mut Vec<String>,
-) -> Sensor {
+) -> Result<Sensor, Vec<Fault>> {
     let name = &settings.sensor_id;
     let p_d = settings.p_d.unwrap_or_else(|| {
         warnings.push(format!(
@@ -470,13 +473,15 @@ fn complete(
         ));
         density
     });
-    Sensor {
+    let sensor = Sensor {
         sensor_id: name.clone(),
         p_d,
         clutter_density: extent.inside(density.max(LEAST_CLUTTER)),
         may_start: true,
         report,
-    }
+        sight: None,
+    };
+    with_sight(sensor, (recording, index), settings, &extent, warnings)
 }
 
 /// Detections a scan over the extent of them all: an upper bound, since targets are among them.

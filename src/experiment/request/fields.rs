@@ -1,6 +1,7 @@
 //! Fields that requests of several kinds have, described one by one.
 
 use super::scenario::SCENARIO;
+use super::sight;
 use crate::registry::{
     Field, Kind, Object, Union, Variant, above, default, list, number, optional, required,
     text_map, variant, whole,
@@ -140,6 +141,11 @@ pub static SENSOR_SETTINGS: Object = Object {
             "Whether a report that no track uses may start a track; false of bearings in the plane, else true.",
             Kind::Flag,
         ),
+        sight::FIELD_OF_VIEW,
+        sight::SECTORS,
+        sight::P_D_AT,
+        sight::P_FA,
+        sight::CLUTTER,
     ],
 };
 

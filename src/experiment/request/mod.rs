@@ -9,4 +9,5 @@ mod names;
 pub mod paths;
 pub mod preset_source;
 pub mod scenario;
+mod sight;
 pub mod sources;

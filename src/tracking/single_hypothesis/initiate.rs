@@ -1,20 +1,38 @@
 //! Starting tracks with the detections that no track used.
 
 use super::initiation::{Initiation, Pair, PairRule, Point};
-use super::lifecycle::Lifecycle;
+use super::lifecycle::{Glance, Lifecycle, TrackLifecycleState};
 use super::scratch::Scratch;
 use super::{ActiveTrack, SingleHypothesis};
 use crate::association::Needs;
 use crate::filtering::Filter;
-use crate::hypotheses::LikelihoodConstants;
+use crate::hypotheses::Likelihoods;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
+use crate::model::state::GaussianState;
 use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
+use crate::tracking::GivenTrack;
 use crate::tracking::recorder::{RecordedPoint, Recorder};
 
 impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
+    /// A track that is there from the start and never ends.
+    pub(super) fn add(&mut self, given: GivenTrack) {
+        let kinematics = GaussianState::unpacked(&given.kinematics);
+        debug_assert!(kinematics.is_some(), "given tracks fit the filter");
+        let Some(kinematics) = kinematics else {
+            return;
+        };
+        let track = ActiveTrack {
+            serial: self.memory.next_serial(),
+            life: TrackLifecycleState::permanent(),
+            origin: given.origin,
+        };
+        self.memory.given.push(given.name);
+        self.memory.push(track, self.filter.begin(&kinematics));
+    }
+
     /// Starts tracks with the detections that no track used, and counts these.
     pub(super) fn initiate(
         &mut self,
@@ -53,7 +71,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             self.memory.initiator.pair(scan, &rule, watch)?;
             for index in 0..self.memory.initiator.pairs().len() {
                 let pair = self.memory.initiator.pairs()[index];
-                self.start_with_two(pair, recorder);
+                self.start_with_two(pair, scan, recorder);
             }
         }
         Ok(unused)
@@ -68,7 +86,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     fn start(&mut self, point: &Point<K>, recorder: &mut dyn Recorder) -> ActiveTrack {
         let track = ActiveTrack {
             serial: self.memory.next_serial(),
-            life: self.lifecycle.start(),
+            life: self
+                .lifecycle
+                .start(&Glance::first(point.time_s, point.sensor)),
             origin: point.origin,
         };
         self.record_start(&track, point, recorder);
@@ -76,15 +96,28 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     }
 
     /// Starts the track of a pair, unless its score says at once that it is clutter.
-    fn start_with_two(&mut self, mut pair: Pair<K>, recorder: &mut dyn Recorder) {
+    fn start_with_two(&mut self, mut pair: Pair<K>, scan: &Scan, recorder: &mut dyn Recorder) {
         let (sensor, lifecycle) = (&self.sensors[pair.second.sensor], self.lifecycle);
-        let constants = LikelihoodConstants::new(sensor, lifecycle.gate_probability);
-        let mut life = lifecycle.start();
+        let likelihoods = Likelihoods::new(sensor, scan, lifecycle.gate_probability);
+        let constants = likelihoods.of(|| pair.second.state);
+        let hypotheses = &self.scratch.hypotheses;
+        let more_clutter = hypotheses.log_clutter_ratio(pair.second.detection as usize);
+        let second = Glance {
+            share: constants.p_d / self.highest_p_d,
+            log_ratio: constants.log_density - more_clutter - pair.log_reach_volume,
+            ..Glance::first(pair.second.time_s, pair.second.sensor)
+        };
+        let between = Glance {
+            time_s: pair.first.time_s,
+            was_detected: false,
+            log_ratio: constants.log_missed,
+            ..second
+        };
+        let mut life = lifecycle.start(&Glance::first(pair.first.time_s, pair.first.sensor));
         for _ in 0..pair.missed {
-            lifecycle.advance(&mut life, false, constants.log_missed);
+            lifecycle.advance(&mut life, &between);
         }
-        let log_ratio = constants.log_density - pair.log_reach_volume;
-        lifecycle.advance(&mut life, true, log_ratio);
+        lifecycle.advance(&mut life, &second);
         if life.is_over() {
             return;
         }

@@ -1,11 +1,20 @@
 //! The life of a track: started by detections that no track used ([`super::initiation`]), confirmed by hits or by score
-//! ([`super::confirmation`]), deleted after `max_missed` scans in a row without a detection, when its score says so, or when
-//! its position has become too uncertain (which also ends a track of a soft associator, whose weights may never be a miss).
+//! ([`super::confirmation`]), deleted after `max_missed` scans in a row without a detection or after `max_missed_s` without
+//! one, when its score says so, or when its position has become too uncertain (which also ends a track of a soft associator,
+//! whose weights may never be a miss).
 //! A track that was given at the start is confirmed from then on and never deleted: a lost one is to be judged, not forgotten.
 //!
 //! Confirmed tracks choose among all detections of a scan first, tentative ones among what is left, and what no track used
 //! goes to the initiation. So a detection inside a confirmed track's gate starts a track only if it stayed unused by all. A
-//! track that ends does so before the scan, and uses none of its detections. Every scan counts, of whichever sensor.
+//! track that ends does so before the scan, and uses none of its detections.
+//!
+//! # What a miss counts
+//! A scan of any sensor counts by its share: P_D of the track there over the highest P_D of all sensors, 1 at most. A miss of
+//! a sensor that does not see the track changes nothing, one where it hardly sees it hardly anything; and it is one of the
+//! scans among which detections are counted where its share is one half at least.
+//!
+//! So that what has left every field of view ends too, a track ends after [`UNSEEN`] times `max_missed` scans of the sensor that
+//! detected it last, whatever they count.
 //!
 //! Under an associator with soft weights: a tentative track is served by global nearest neighbour until it is confirmed; a
 //! detection is used when one track at least gives it a weight of 0.01; a scan had a detection for a track when the weights
@@ -15,6 +24,7 @@ use super::confirmation::{CONFIRMATION, Confirmation, Score};
 use super::initiation::{INITIATION, Initiation};
 use crate::model::track::TrackStatus;
 use crate::registry::{Kind, Object, above, check, default, optional, whole};
+use crate::tracking::bits;
 use crate::tracking::smoothing::{SMOOTHING, Smoothing};
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
@@ -62,9 +72,14 @@ pub static LIFECYCLE: Object = Object {
         ),
         default(
             "max_missed",
-            "Scans in a row without a detection that delete a track, under every rule of confirmation.",
+            "Scans in a row without a detection that delete a track, under every rule of confirmation; not used with max_missed_s.",
             whole(1, 1000, "scans"),
             "5",
+        ),
+        optional(
+            "max_missed_s",
+            "A track is deleted at the first scan more than this after its last detection, in place of max_missed.",
+            above(0.0, 1e6, "s"),
         ),
         optional(
             "max_position_sigma_m",
@@ -93,6 +108,8 @@ pub struct Lifecycle {
     pub confirm_hits: u32,
     pub confirm_window: u32,
     pub max_missed: u32,
+    #[serde(default)]
+    pub max_missed_s: Option<f64>,
     pub max_position_sigma_m: Option<f64>,
     #[serde(default = "assumed_speed_sigma_mps")]
     pub initial_speed_sigma_mps: f64,
@@ -115,9 +132,19 @@ fn assumed_speed_sigma_mps() -> f64 {
 /// What a track has lived through.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct TrackLifecycleState {
-    /// One bit a scan, the newest lowest: whether the track was given a detection.
+    /// One bit a scan that counts, the newest lowest: whether the track was given a detection.
     hits: u64,
-    missed: u32,
+    /// What the misses since the last detection count.
+    #[serde(with = "bits")]
+    missed: f64,
+    /// Scans of `last_sensor` since it detected the track.
+    unseen: u32,
+    /// The sensor that detected it last, and when.
+    last_sensor: u32,
+    #[serde(with = "bits")]
+    last_time_s: f64,
+    /// Whether the last scan had no detection for it.
+    is_missed: bool,
     is_confirmed: bool,
     is_over: bool,
     /// Whether no rule of deletion applies to it.
@@ -125,47 +152,93 @@ pub(super) struct TrackLifecycleState {
     score: Score,
 }
 
+/// What a scan is to a track.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Glance {
+    pub time_s: f64,
+    /// Index of the sensor.
+    pub sensor: usize,
+    pub was_detected: bool,
+    /// P_D of the track over the highest of the sensors.
+    pub share: f64,
+    /// What the scan adds to the score; matters only when [`Lifecycle::is_scored`].
+    pub log_ratio: f64,
+}
+
+/// A track that its last sensor does not see ends after so many times `max_missed` of its scans.
+const UNSEEN: u32 = 20;
+/// A scan without a detection is one of those among which detections are counted if its share is at least this.
+const LEAST_SHARE: f64 = 0.5;
+
+impl Glance {
+    /// A detection that is the first of a track.
+    pub fn first(time_s: f64, sensor: usize) -> Self {
+        Glance {
+            time_s,
+            sensor,
+            was_detected: true,
+            share: 1.0,
+            log_ratio: 0.0,
+        }
+    }
+}
+
 impl Lifecycle {
     /// Where neither the request nor the scene nor the data tell how fast targets are.
     pub const ASSUMED_SPEED_SIGMA_MPS: f64 = 10.0;
 
     /// A track after its first detection.
-    pub(super) fn start(&self) -> TrackLifecycleState {
+    pub(super) fn start(&self, first: &Glance) -> TrackLifecycleState {
         let mut life = TrackLifecycleState {
-            hits: 0,
-            missed: 0,
             is_confirmed: false,
-            is_over: false,
             is_permanent: false,
-            score: Score::default(),
+            ..TrackLifecycleState::permanent()
         };
-        self.advance(&mut life, true, 0.0);
+        self.advance(&mut life, first);
         life
     }
 
-    /// One more scan; `log_ratio` is what it adds to the score, and matters only when [`Lifecycle::is_scored`].
+    /// One more scan.
     #[inline]
-    pub(super) fn advance(
-        &self,
-        life: &mut TrackLifecycleState,
-        was_detected: bool,
-        log_ratio: f64,
-    ) {
-        life.hits = (life.hits << 1) | u64::from(was_detected);
-        life.missed = if was_detected { 0 } else { life.missed + 1 };
-        life.is_over |= life.missed >= self.max_missed;
+    pub(super) fn advance(&self, life: &mut TrackLifecycleState, glance: &Glance) {
+        let share = Self::look(life, glance);
+        if glance.was_detected || share >= LEAST_SHARE {
+            life.hits = (life.hits << 1) | u64::from(glance.was_detected);
+        }
+        life.is_over |= match self.max_missed_s {
+            Some(limit_s) => glance.time_s - life.last_time_s > limit_s,
+            None => {
+                life.missed >= f64::from(self.max_missed)
+                    || life.unseen >= UNSEEN.saturating_mul(self.max_missed)
+            }
+        };
         match &self.confirmation {
             Confirmation::MOfN => {
                 let window = u64::MAX >> (64 - self.confirm_window);
                 life.is_confirmed |= (life.hits & window).count_ones() >= self.confirm_hits;
             }
             Confirmation::Score(rule) => {
-                life.score.add(log_ratio);
+                life.score.add(glance.log_ratio);
                 life.is_confirmed |= rule.is_confirmed(&life.score);
                 life.is_over |= rule.is_over(&life.score, life.is_confirmed);
             }
         }
         life.is_over &= !life.is_permanent;
+    }
+
+    /// Counts a detection or a miss, and tells what a miss counts.
+    #[inline]
+    fn look(life: &mut TrackLifecycleState, glance: &Glance) -> f64 {
+        life.is_missed = !glance.was_detected;
+        if glance.was_detected {
+            (life.missed, life.unseen) = (0.0, 0);
+            (life.last_sensor, life.last_time_s) = (glance.sensor as u32, glance.time_s);
+            return 0.0;
+        }
+        let share = glance.share.min(1.0);
+        life.missed += share;
+        life.unseen += u32::from(glance.sensor as u32 == life.last_sensor);
+        share
     }
 
     /// Ends a track whose position is too uncertain to be of use.
@@ -200,7 +273,11 @@ impl TrackLifecycleState {
     pub(super) fn permanent() -> TrackLifecycleState {
         TrackLifecycleState {
             hits: 0,
-            missed: 0,
+            missed: 0.0,
+            unseen: 0,
+            last_sensor: 0,
+            last_time_s: 0.0,
+            is_missed: false,
             is_confirmed: true,
             is_over: false,
             is_permanent: true,
@@ -222,10 +299,10 @@ impl TrackLifecycleState {
     }
 
     pub(super) fn status(&self) -> TrackStatus {
-        match (self.is_confirmed, self.missed) {
+        match (self.is_confirmed, self.is_missed) {
             (false, _) => TrackStatus::Tentative,
-            (true, 0) => TrackStatus::Confirmed,
-            (true, _) => TrackStatus::Coasted,
+            (true, false) => TrackStatus::Confirmed,
+            (true, true) => TrackStatus::Coasted,
         }
     }
 }
@@ -242,17 +319,22 @@ mod tests {
         confirm_hits: 3,
         confirm_window: 4,
         max_missed: 3,
+        max_missed_s: None,
         max_position_sigma_m: None,
         initial_speed_sigma_mps: 1.0,
         smoothing: None,
     };
 
     fn statuses(lifecycle: &Lifecycle, detected: &str) -> String {
-        let mut life = lifecycle.start();
+        let mut life = lifecycle.start(&Glance::first(0.0, 0));
         let mut seen = String::from(&life.status().name()[..1]);
-        for symbol in detected.chars().skip(1) {
-            let log_ratio = if symbol == '1' { 3.0 } else { -2.0 };
-            lifecycle.advance(&mut life, symbol == '1', log_ratio);
+        for (index, symbol) in detected.chars().enumerate().skip(1) {
+            let glance = Glance {
+                was_detected: symbol == '1',
+                log_ratio: if symbol == '1' { 3.0 } else { -2.0 },
+                ..Glance::first(index as f64, 0)
+            };
+            lifecycle.advance(&mut life, &glance);
             seen.push_str(if life.is_over() {
                 "x"
             } else {
@@ -290,6 +372,44 @@ mod tests {
             Some('t')
         );
     }
+
+    #[test]
+    fn a_miss_counts_as_much_as_the_sensor_sees() {
+        let mut life = LIFE.start(&Glance::first(0.0, 0));
+        let miss = |share: f64, time_s: f64| Glance {
+            was_detected: false,
+            share,
+            ..Glance::first(time_s, 0)
+        };
+        // Thirty at a tenth are three; what is not seen counts nothing.
+        for index in 0..29 {
+            LIFE.advance(&mut life, &miss(0.1, f64::from(index)));
+            assert!(!life.is_over(), "{index}");
+        }
+        LIFE.advance(&mut life, &miss(0.0, 29.0));
+        assert!(!life.is_over());
+        LIFE.advance(&mut life, &miss(0.1, 29.0));
+        LIFE.advance(&mut life, &miss(0.1, 30.0));
+        assert!(life.is_over());
+        // 20 times three scans of nothing end it as well.
+        let mut life = LIFE.start(&Glance::first(0.0, 0));
+        for index in 1..=60 {
+            assert!(!life.is_over());
+            LIFE.advance(&mut life, &miss(0.0, f64::from(index)));
+        }
+        assert!(life.is_over());
+    }
+
+    #[test]
+    fn a_time_takes_the_place_of_scans() {
+        let timed = Lifecycle {
+            max_missed_s: Some(10.0),
+            ..LIFE
+        };
+        // The last detection is at 2 s: at 12 s the track is there, at 13 s no more.
+        assert_eq!(statuses(&timed, "11100000000000"), "ttcccccccccccx");
+    }
+
     #[test]
     fn a_score_confirms_drops_and_deletes() {
         // Each detection adds 3, each miss −2. ln(0.9 / 0.005) = 5.19, ln(0.1 / 0.995) = −2.30; the first one adds nothing.
@@ -342,8 +462,13 @@ mod tests {
             };
             let mut life = TrackLifecycleState::permanent();
             assert_eq!(life.status(), TrackStatus::Confirmed);
-            for _ in 0..10 {
-                lifecycle.advance(&mut life, false, -2.0);
+            for time_s in 0..10 {
+                let glance = Glance {
+                    was_detected: false,
+                    log_ratio: -2.0,
+                    ..Glance::first(f64::from(time_s), 0)
+                };
+                lifecycle.advance(&mut life, &glance);
                 lifecycle.limit(&mut life, || {
                     SMatrix::<f64, 4, 4>::from_diagonal_element(1e6)
                 });
@@ -374,7 +499,7 @@ mod tests {
                 max_position_sigma_m: Some(limit_m),
                 ..LIFE
             };
-            let mut life = lifecycle.start();
+            let mut life = lifecycle.start(&Glance::first(0.0, 0));
             lifecycle.limit(&mut life, || covariance);
             assert_eq!(life.is_over(), is_over);
         }

@@ -8,11 +8,13 @@ pub mod confirmation;
 mod initiate;
 pub mod initiation;
 pub mod lifecycle;
+mod members;
 mod scratch;
+mod sight;
 mod written;
 
 use super::recorder::{RecordedPoint, Recorder};
-use super::{BuildTracker, GivenTrack, Nis, ScanOutcome, TrackEstimate, Tracker, TrackerParts};
+use super::{BuildTracker, Nis, ScanOutcome, TrackEstimate, Tracker, TrackerParts};
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::ScanProblem;
 use crate::association::{Associator, Trace};
@@ -22,14 +24,15 @@ use crate::model::fault::Fault;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::Sensor;
-use crate::model::state::GaussianState;
+use crate::model::sight::clutter::ClutterMap;
 use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
 use crate::registry::Method;
 use initiate::pair_rule;
 use initiation::{Initiator, PairRule};
-use lifecycle::{LIFECYCLE, Lifecycle, TrackLifecycleState};
+use lifecycle::{Glance, LIFECYCLE, Lifecycle, TrackLifecycleState};
 use scratch::Scratch;
+use sight::{highest_p_d, new_map};
 
 const NAME: &str = "single_hypothesis";
 
@@ -70,6 +73,8 @@ struct Memory<B, const K: usize> {
     scans: u32,
     initiator: Initiator<K>,
     nis: Nis,
+    /// Of each sensor that learns one.
+    maps: Vec<Option<ClutterMap>>,
 }
 
 /// Its filter has kinematics of `K` variables.
@@ -78,6 +83,8 @@ struct SingleHypothesis<F: Filter<K>, const K: usize> {
     associator: Box<dyn Associator>,
     lifecycle: Lifecycle,
     sensors: Vec<Sensor>,
+    /// Of all sensors.
+    highest_p_d: f64,
     /// Serves the tentative tracks in place of a soft associator.
     beginner: GlobalNearestNeighbour,
     /// Of two-point initiation.
@@ -111,7 +118,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             pair_rule: pair_rule(&lifecycle, needs, K),
             associator: parts.associator,
             lifecycle,
-            sensors: parts.sensors,
+            highest_p_d: highest_p_d(&parts.sensors),
             beginner: GlobalNearestNeighbour::default(),
             memory: Memory {
                 tracks: Vec::new(),
@@ -122,7 +129,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 scans: 0,
                 initiator: Initiator::default(),
                 nis: Nis::default(),
+                maps: parts.sensors.iter().map(new_map).collect(),
             },
+            sensors: parts.sensors,
             kept: None,
             scratch: Scratch::new(lifecycle.gate_probability, needs),
         };
@@ -130,22 +139,6 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             tracker.add(given);
         }
         tracker
-    }
-
-    /// A track that is there from the start and never ends.
-    fn add(&mut self, given: GivenTrack) {
-        let kinematics = GaussianState::unpacked(&given.kinematics);
-        debug_assert!(kinematics.is_some(), "given tracks fit the filter");
-        let Some(kinematics) = kinematics else {
-            return;
-        };
-        let track = ActiveTrack {
-            serial: self.memory.next_serial(),
-            life: TrackLifecycleState::permanent(),
-            origin: given.origin,
-        };
-        self.memory.given.push(given.name);
-        self.memory.push(track, self.filter.begin(&kinematics));
     }
 
     /// The problem of the confirmed tracks, or of the others and the detections still unused.
@@ -257,9 +250,15 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let (track, belief) = self.memory.track_mut(index);
         F::update(belief, hypotheses.loss(row), weighted);
         let was_confirmed = track.life.is_confirmed();
-        // The scan is a hit when it is more probable that the track was detected than that it was not.
-        self.lifecycle
-            .advance(&mut track.life, detected > missed, log_ratio);
+        let glance = Glance {
+            time_s: scan.time_s,
+            sensor: scan.sensor,
+            // The scan is a hit when it is more probable that the track was detected than that it was not.
+            was_detected: detected > missed,
+            share: hypotheses.p_d(row) / self.highest_p_d,
+            log_ratio,
+        };
+        self.lifecycle.advance(&mut track.life, &glance);
         self.lifecycle
             .limit(&mut track.life, || F::kinematics(belief).covariance);
         // One that ends does so before this scan: what nobody carries on is not a track any more, and uses nothing.
@@ -316,40 +315,6 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             candidates,
         });
     }
-
-    /// Forgets the tracks that are over, and counts those that are confirmed.
-    fn sweep(&mut self, recorder: &mut dyn Recorder) -> u32 {
-        let (mut confirmed, mut kept) = (0, 0);
-        let Memory {
-            tracks, beliefs, ..
-        } = &mut self.memory;
-        for index in 0..tracks.len() {
-            if tracks[index].life.is_over() {
-                recorder.end(tracks[index].serial);
-                continue;
-            }
-            confirmed += u32::from(tracks[index].life.is_confirmed());
-            tracks[kept] = tracks[index];
-            beliefs[kept] = beliefs[index];
-            kept += 1;
-        }
-        tracks.truncate(kept);
-        beliefs.truncate(kept);
-        confirmed
-    }
-
-    fn sort_members(&mut self) {
-        let [confirmed, others] = &mut self.scratch.members;
-        confirmed.clear();
-        others.clear();
-        for (index, track) in self.memory.tracks.iter().enumerate() {
-            if track.life.is_confirmed() {
-                confirmed.push(index as u32);
-            } else {
-                others.push(index as u32);
-            }
-        }
-    }
 }
 
 impl<B: Copy, const K: usize> Memory<B, K> {
@@ -394,13 +359,14 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
             self.memory.started
         };
         let report = self.sensors[scan.sensor].report_in(scan);
-        self.scratch
-            .hypotheses
-            .begin_scan(&self.filter, &report, &scan.detections);
+        self.begin(scan, &report);
         self.sort_members();
         for (part, is_confirmed) in [(0, true), (1, false)] {
             self.hypothesise(part, (scan, &report, &step), watch)?;
             self.associate(is_confirmed, scan, recorder, watch)?;
+            if is_confirmed {
+                self.learn_clutter(scan);
+            }
         }
         let unused = self.initiate(scan, &report, recorder, watch)?;
         let confirmed = self.sweep(recorder);
@@ -437,6 +403,7 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
             associator: self.associator.fork(),
             lifecycle: self.lifecycle,
             sensors: self.sensors.clone(),
+            highest_p_d: self.highest_p_d,
             beginner: GlobalNearestNeighbour::default(),
             pair_rule: self.pair_rule,
             memory: self.memory.clone(),
@@ -456,6 +423,10 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
 
     fn nis(&self) -> Nis {
         self.memory.nis
+    }
+
+    fn clutter_maps(&self) -> &[Option<ClutterMap>] {
+        &self.memory.maps
     }
 
     fn diagnostics(&self) -> Option<serde_json::Value> {

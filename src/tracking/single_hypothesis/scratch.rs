@@ -16,6 +16,8 @@ pub(super) struct Scratch<F: Filter<K>, const K: usize> {
     /// Of the point that is told.
     pub kinematics: Vec<f64>,
     pub belief: Vec<f64>,
+    /// What of each detection the confirmed tracks left over.
+    pub left: Vec<f64>,
 }
 
 impl<F: Filter<K>, const K: usize> Scratch<F, K> {
@@ -28,6 +30,7 @@ impl<F: Filter<K>, const K: usize> Scratch<F, K> {
             candidates: Vec::new(),
             kinematics: Vec::new(),
             belief: Vec::new(),
+            left: Vec::new(),
         }
     }
 }

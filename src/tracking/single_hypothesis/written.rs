@@ -6,13 +6,14 @@ use super::{ActiveTrack, Memory};
 use crate::association::Associator;
 use crate::filtering::Filter;
 use crate::model::fault::Fault;
+use crate::model::sight::clutter::ClutterMap;
 use crate::model::state::GaussianState;
 use crate::tracking::{Nis, bits};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Changes whenever older writing is not understood any more.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 struct Written {
@@ -26,6 +27,8 @@ struct Written {
     /// Of each sensor.
     waiting: Vec<Vec<WrittenPoint>>,
     nis: Nis,
+    /// The map of clutter of each sensor that learns one.
+    maps: Vec<Option<Vec<u64>>>,
     associator: Value,
 }
 
@@ -69,6 +72,11 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
             .map(|points| points.iter().map(write_point).collect())
             .collect(),
         nis: memory.nis,
+        maps: memory
+            .maps
+            .iter()
+            .map(|map| map.as_ref().map(|map| bits::of(map.ratios())))
+            .collect(),
         associator: associator.memory(),
     };
     serde_json::to_vec(&written).expect("numbers and names are JSON")
@@ -84,6 +92,10 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
     if written.method != super::METHOD.name || written.version != VERSION {
         return Err(refuse(&format!("{} {}", written.method, written.version)));
     }
+    let read_map = |map: &Option<Vec<u64>>| {
+        let map = map.as_ref()?;
+        Some(ClutterMap::new(bits::values(map)))
+    };
     let mut memory = Memory {
         tracks: Vec::with_capacity(written.tracks.len()),
         beliefs: Vec::with_capacity(written.tracks.len()),
@@ -93,6 +105,7 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         scans: written.scans,
         initiator: Initiator::default(),
         nis: written.nis,
+        maps: written.maps.iter().map(read_map).collect(),
     };
     for track in written.tracks {
         let belief = F::unpack(&bits::values(&track.belief)).ok_or_else(|| refuse(&"a belief"))?;

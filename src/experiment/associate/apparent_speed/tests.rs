@@ -93,6 +93,7 @@ fn seen(recording: &Recording) -> ApparentSpeed {
         clutter_density: 1e-8,
         may_start: true,
         report,
+        sight: None,
     };
     apparent_speed(recording, &[SensorSettings::named("radar")], &[sensor]).unwrap()
 }
@@ -166,6 +167,7 @@ fn three_scans_are_the_least() {
         clutter_density: 1e-8,
         may_start: true,
         report,
+        sight: None,
     }];
     let known = [SensorSettings::named("radar")];
     assert_eq!(apparent_speed(&cut(2), &known, &sensors), None);

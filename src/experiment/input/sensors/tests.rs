@@ -95,6 +95,7 @@ fn the_request_wins_over_the_upload_and_the_rest_is_estimated_with_a_warning() {
         clutter_density: 0.02,
         may_start: true,
         report,
+        sight: None,
     };
     assert_eq!(sensors, [expected]);
     assert_eq!(warnings.len(), 2);
@@ -271,6 +272,7 @@ fn misplaced(settings: &SensorSettings, report: MeasurementModel) -> Vec<(String
         clutter_density: 1.0,
         may_start: true,
         report,
+        sight: None,
     };
     let requested = [SensorSettings::named("other"), settings.clone()];
     misplaced_densities(&requested, &[sensor])
