@@ -314,3 +314,93 @@ fn a_map_learns_where_clutter_is() {
     println!("{counts:?}");
     assert!(counts[1][0] < counts[0][0] / 5.0, "{counts:?}");
 }
+
+/// A target that goes east at 10 m/s; sensors scan in turn, and each letter says whose scan it is: a capital detects it.
+fn in_turn(scans: &str) -> String {
+    let mut draw = Seed { seed: 9, run: 0 }.stream(Purpose::Detection, 0, 0);
+    let mut rows = Vec::new();
+    for (index, letter) in scans.chars().enumerate() {
+        let errors: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
+        let place = [10.0 * index as f64 + 5.0 * errors[0], 5.0 * errors[1]];
+        let places = if letter.is_uppercase() {
+            vec![place]
+        } else {
+            vec![]
+        };
+        let sensor = if letter.eq_ignore_ascii_case(&'a') {
+            "a"
+        } else {
+            "b"
+        };
+        rows.push((index as f64, sensor, places));
+    }
+    csv(&rows)
+}
+
+fn two_radars(p_d: Option<f64>) -> Value {
+    let one = |name: &str| {
+        let mut sensor =
+            json!({"sensor_id": name, "clutter_per_m2": 1e-8, "sigma_x_m": 5.0, "sigma_y_m": 5.0});
+        if let Some(p_d) = p_d {
+            sensor["p_d"] = json!(p_d);
+        }
+        sensor
+    };
+    json!([one("a"), one("b")])
+}
+
+#[test]
+fn a_sensor_that_never_sees_a_target_does_not_lose_its_track() {
+    let tracker = json!({"initial_speed_sigma_mps": 10.0, "max_missed": 3});
+    // The one real miss of A stands between two scans of B.
+    for scans in [
+        "AbAbAbAbAbAbabAbAbAbAbAb",
+        "AbbbbAbbbbAbbbbAbbbbabbbbAbbbbAbbbb",
+    ] {
+        let text = in_turn(scans);
+        for p_d in [Some(0.9), None] {
+            let outcome = tracked(&text, &body(two_radars(p_d), tracker.clone()));
+            assert_eq!(found(&outcome), (1, scans.len() as u64), "{scans} {p_d:?}");
+        }
+    }
+    // What A loses for good ends all the same: three misses of A.
+    let outcome = tracked(
+        &in_turn("AbAbAbAbAbababababab"),
+        &body(two_radars(Some(0.9)), tracker),
+    );
+    assert_eq!(found(&outcome), (1, 14));
+}
+
+#[test]
+fn points_between_the_scans_of_who_sees_it_are_coasted() {
+    let tracker = json!({"initial_speed_sigma_mps": 10.0, "max_missed": 3});
+    let outcome = tracked(
+        &in_turn("AbAbAbAbAb"),
+        &body(two_radars(Some(0.9)), tracker),
+    );
+    let tracks = outcome
+        .artifacts
+        .iter()
+        .find(|file| file.name == "tracks.csv")
+        .unwrap();
+    let text = String::from_utf8(tracks.bytes.to_vec()).unwrap();
+    let mut lines = text.lines();
+    let column = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|name| name == "status")
+        .unwrap();
+    let statuses: Vec<&str> = lines
+        .map(|line| line.split(',').nth(column).unwrap())
+        .collect();
+    let coasts = [
+        "confirmed",
+        "coasted",
+        "confirmed",
+        "coasted",
+        "confirmed",
+        "coasted",
+    ];
+    assert_eq!(statuses[4..], coasts, "{statuses:?}");
+}

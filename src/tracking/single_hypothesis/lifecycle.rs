@@ -13,6 +13,10 @@
 //! a sensor that does not see the track changes nothing, one where it hardly sees it hardly anything; and it is one of the
 //! scans among which detections are counted where its share is one half at least.
 //!
+//! P_D is rarely known for each track, so a sensor is taken to see a track only if it detected it lately: among the last
+//! `max_missed` detections of the track by whichever sensors, or the `max_missed` before these. Misses of the others count
+//! nothing. For one sensor alone this changes nothing.
+//!
 //! So that what has left every field of view ends too, a track ends after [`UNSEEN`] times `max_missed` scans of the sensor that
 //! detected it last, whatever they count.
 //!
@@ -143,6 +147,10 @@ pub(super) struct TrackLifecycleState {
     last_sensor: u32,
     #[serde(with = "bits")]
     last_time_s: f64,
+    /// One bit a sensor: which of them took part in the last detections, and in those before.
+    seen_by: [u64; 2],
+    /// Detections that `seen_by[0]` tells of.
+    detections: u32,
     /// Whether the last scan had no detection for it.
     is_missed: bool,
     is_confirmed: bool,
@@ -201,7 +209,7 @@ impl Lifecycle {
     /// One more scan.
     #[inline]
     pub(super) fn advance(&self, life: &mut TrackLifecycleState, glance: &Glance) {
-        let share = Self::look(life, glance);
+        let share = self.look(life, glance);
         if glance.was_detected || share >= LEAST_SHARE {
             life.hits = (life.hits << 1) | u64::from(glance.was_detected);
         }
@@ -228,14 +236,21 @@ impl Lifecycle {
 
     /// Counts a detection or a miss, and tells what a miss counts.
     #[inline]
-    fn look(life: &mut TrackLifecycleState, glance: &Glance) -> f64 {
+    fn look(&self, life: &mut TrackLifecycleState, glance: &Glance) -> f64 {
+        let bit = 1 << glance.sensor.min(63);
         life.is_missed = !glance.was_detected;
         if glance.was_detected {
+            if life.detections >= self.max_missed {
+                (life.seen_by, life.detections) = ([0, life.seen_by[0]], 0);
+            }
+            life.seen_by[0] |= bit;
+            life.detections += 1;
             (life.missed, life.unseen) = (0.0, 0);
             (life.last_sensor, life.last_time_s) = (glance.sensor as u32, glance.time_s);
             return 0.0;
         }
-        let share = glance.share.min(1.0);
+        let sees = (life.seen_by[0] | life.seen_by[1]) & bit != 0;
+        let share = if sees { glance.share.min(1.0) } else { 0.0 };
         life.missed += share;
         life.unseen += u32::from(glance.sensor as u32 == life.last_sensor);
         share
@@ -277,6 +292,8 @@ impl TrackLifecycleState {
             unseen: 0,
             last_sensor: 0,
             last_time_s: 0.0,
+            seen_by: [0; 2],
+            detections: 0,
             is_missed: false,
             is_confirmed: true,
             is_over: false,
@@ -371,6 +388,51 @@ mod tests {
             statuses(&long, &format!("1{}1", "0".repeat(63))).pop(),
             Some('t')
         );
+    }
+
+    /// Statuses after scans of several sensors: a letter a sensor, capital where it detects the track.
+    fn statuses_of(lifecycle: &Lifecycle, scans: &str) -> String {
+        let glance = |(index, letter): (usize, char)| Glance {
+            was_detected: letter.is_uppercase(),
+            ..Glance::first(
+                index as f64,
+                letter.to_ascii_lowercase() as usize - 'a' as usize,
+            )
+        };
+        let mut glances = scans.chars().enumerate().map(glance);
+        let mut life = lifecycle.start(&glances.next().unwrap());
+        let mut seen = String::from(&life.status().name()[..1]);
+        for glance in glances {
+            lifecycle.advance(&mut life, &glance);
+            seen.push_str(match (life.is_over(), life.status()) {
+                (true, _) => "x",
+                (false, TrackStatus::Coasted) => "-",
+                (false, status) => &status.name()[..1],
+            });
+        }
+        seen
+    }
+
+    #[test]
+    fn a_sensor_that_never_detects_a_track_deletes_none() {
+        // A detects, B never does; one real miss of A between two of B would be three.
+        assert_eq!(statuses_of(&LIFE, "AbAbAbabAb"), "ttttc---c-");
+        assert_eq!(statuses_of(&LIFE, "AbAbAbababab"), "ttttc-----xx");
+        // A fast one neither, nor does it keep the track from being confirmed.
+        assert_eq!(
+            statuses_of(&LIFE, "AbbbbAbbbbAbbbbabbbbA"),
+            "ttttttttttc---------c"
+        );
+        // Where B detects it too, its misses count as those of A.
+        assert_eq!(statuses_of(&LIFE, "ABAbab"), "ttc--x");
+    }
+
+    #[test]
+    fn a_sensor_that_detects_a_track_no_more_is_forgotten() {
+        // After three detections by B and three more, A has no say: b is a first real miss.
+        assert_eq!(statuses_of(&LIFE, "AAABaBaBaBaBaBaba"), "ttcc-c-c-c-c-c---");
+        // Before that it has: a, b and a are three.
+        assert_eq!(statuses_of(&LIFE, "AAABaBaba"), "ttcc-c--x");
     }
 
     #[test]
