@@ -15,11 +15,11 @@ use trackloom_domain::model::state::Position;
 use trackloom_domain::model::truth::{Target, TruthPoint, TruthSet};
 
 const SCENARIOS: [u32; 6] = [2, 3, 4, 5, 6, 17];
-const DOCUMENT: &str = "docs/recordings.md";
+pub(crate) const DOCUMENT: &str = "docs/recordings.md";
 const BEGIN: &str = "<!-- the tables below are written by tests/recordings.rs -->\n";
 
 /// The settings of every run, as in the document.
-fn request(associator: &str) -> Value {
+pub(crate) fn request(associator: &str) -> Value {
     json!({
         "input": {"source": "dataset", "dataset_id": "detections", "sensor_ids": ["radar"]},
         "truth": {"source": "dataset", "dataset_id": "truth"},
@@ -33,7 +33,7 @@ fn request(associator: &str) -> Value {
     })
 }
 
-fn load(folder: &Path, name: &str, kind: DatasetKind) -> Dataset {
+pub(crate) fn load(folder: &Path, name: &str, kind: DatasetKind) -> Dataset {
     let format = format_named("autoferry").expect("the format is in the table");
     let options = ReadOptions {
         kind: Some(kind),
@@ -49,7 +49,7 @@ fn bytes_of(folder: &Path, name: &str) -> Vec<u8> {
 }
 
 /// Detections of one sensor, and truth.
-fn inputs(detections: &Dataset, sensor_id: &str, truth: &Dataset) -> [Option<Input>; 2] {
+pub(crate) fn inputs(detections: &Dataset, sensor_id: &str, truth: &Dataset) -> [Option<Input>; 2] {
     let Dataset::Detections(recording) = detections else {
         panic!("detections")
     };
@@ -110,12 +110,12 @@ fn line(scenario: u32, associator: &str, inputs: &[Option<Input>]) -> String {
     )
 }
 
-fn files_of(scenario: u32) -> [String; 2] {
+pub(crate) fn files_of(scenario: u32) -> [String; 2] {
     ["detections", "groundTruth"].map(|what| format!("scenario{scenario}_{what}.json"))
 }
 
 /// The scenarios whose files are all there; says of the others what they lack.
-fn present(folder: &Path) -> Vec<u32> {
+pub(crate) fn present(folder: &Path) -> Vec<u32> {
     let lacks = |scenario: u32| {
         files_of(scenario)
             .into_iter()
@@ -135,7 +135,7 @@ fn present(folder: &Path) -> Vec<u32> {
 }
 
 /// The lines of a table that are not of scenarios left out.
-fn lines_of(table: &str, scenarios: &[u32]) -> String {
+pub(crate) fn lines_of(table: &str, scenarios: &[u32]) -> String {
     let is_left_out = |line: &&str| {
         let first = line
             .trim_start_matches('|')

@@ -1,6 +1,7 @@
 //! What is known of a recording before it is loaded, held against how it is to be tracked.
 
 use super::auto_filter::settle;
+use super::estimates::presume;
 use super::track::{nothing_starts, unbounded_gate, unmet_need};
 use crate::experiment::input::known::{KnownRecording, cost_of, unknown_sensors};
 use crate::experiment::input::sensors;
@@ -81,7 +82,11 @@ pub fn unusable_alone(
     for settings in known {
         let own = sample.only_sensors(std::slice::from_ref(&settings.sensor_id));
         let known = std::slice::from_ref(settings);
-        match own.and_then(|own| sensors::resolve(&own, known, filter, &mut Vec::new())) {
+        let resolved = own.and_then(|own| {
+            let known = presume(&own, known, &filter.filter);
+            sensors::resolve(&own, &known, filter, &mut Vec::new())
+        });
+        match resolved {
             Ok(resolved) => faults.extend(nothing_starts(lifecycle, &resolved)),
             Err(found) => faults.extend(found),
         }
@@ -102,6 +107,7 @@ fn faults_of(
         Ok(known) => known,
         Err(faults) => return faults,
     };
+    let known = presume(sample, &known, &filter.filter);
     let mut faults = match sensors::resolve(sample, &known, filter, &mut Vec::new()) {
         Ok(resolved) => {
             let mut faults = sensors::misplaced_densities(requested, &resolved);

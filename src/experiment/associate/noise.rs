@@ -10,15 +10,18 @@
 //! 3. NIS goes with 1/σ²: the σ that would fit is the square root of mean / due mean times the assumed one. Where that is less than
 //!    a tenth away nothing is said, for with many updates every interval is narrow.
 
+use super::estimates::three_digits;
 use super::report::NisReport;
 use crate::math::gaussian::{chi_square_tail, gate_threshold};
+use crate::model::sensing::MeasurementModel;
+use crate::model::sensor::Sensor;
 
 /// Fewer updates say nothing.
 const FEWEST_UPDATES: u64 = 10;
 
-/// A warning where the mean NIS says that the noise is assumed too large or too small. Nothing is said of reports of different
-/// numbers of values.
-pub fn warning(nis: &NisReport, gate_probability: f64) -> Option<String> {
+/// A warning where the mean NIS says that the noise is assumed too large or too small, with the values that would fit. Nothing is
+/// said of reports of different numbers of values.
+pub fn warning(nis: &NisReport, gate_probability: f64, sensors: &[Sensor]) -> Option<String> {
     let (mean, updates) = (nis.mean?, nis.updates);
     let (due, variance) = gated_chi_square(nis.dimensions? as u32, gate_probability);
     let half = 1.96 * (variance / updates as f64).sqrt();
@@ -31,16 +34,53 @@ pub fn warning(nis: &NisReport, gate_probability: f64) -> Option<String> {
     } else {
         "the noise, or how much targets turn, is assumed too small"
     };
+    let values = match sensors {
+        [sensor] => format!(": {}", fitting(&sensor.report, factor)),
+        _ => String::new(),
+    };
     Some(format!(
         "mean NIS {mean:.2} of {updates} updates, {due:.2} is due within the gate ({:.2} to {:.2} with 95 %): {what}; sigma × {factor:.2} \
-         would fit",
+         would fit{values}",
         due - half,
         due + half
     ))
 }
 
+/// The noises of a sensor, each times `factor`.
+fn fitting(report: &MeasurementModel, factor: f64) -> String {
+    let named = |name: &str, sigma: f64| format!("{name} {}", three_digits(factor * sigma));
+    match report {
+        MeasurementModel::Position {
+            sigma_x_m,
+            sigma_y_m,
+        } => format!(
+            "{}, {}",
+            named("sigma_x_m", *sigma_x_m),
+            named("sigma_y_m", *sigma_y_m)
+        ),
+        MeasurementModel::Polar(polar) | MeasurementModel::Converted(polar) => {
+            let bearing_deg = polar.sigma_bearing_rad.to_degrees();
+            let places = format!(
+                "{}, {}",
+                named("sigma_range_m", polar.sigma_range_m),
+                named("sigma_bearing_deg", bearing_deg)
+            );
+            match polar.range_rate {
+                Some(rate) => format!(
+                    "{places}, {}",
+                    named("sigma_range_rate_mps", rate.sigma_mps)
+                ),
+                None => places,
+            }
+        }
+        MeasurementModel::Bearing(bearing) => {
+            named("sigma_bearing_deg", bearing.sigma_bearing_rad.to_degrees())
+        }
+    }
+}
+
 /// Step 1: mean and variance.
-fn gated_chi_square(dimensions: u32, gate_probability: f64) -> (f64, f64) {
+pub fn gated_chi_square(dimensions: u32, gate_probability: f64) -> (f64, f64) {
     let degrees = f64::from(dimensions);
     let threshold = gate_threshold(gate_probability, dimensions);
     if threshold.is_infinite() {
@@ -57,6 +97,7 @@ fn gated_chi_square(dimensions: u32, gate_probability: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::sensor::SensorSettings;
 
     #[test]
     fn a_gate_lowers_the_mean_as_worked_by_hand() {
@@ -82,7 +123,22 @@ mod tests {
             updates,
             dimensions: Some(2),
         };
-        warning(&nis, 1.0)
+        warning(&nis, 1.0, &[])
+    }
+
+    #[test]
+    fn the_values_that_would_fit_are_named() {
+        let nis = NisReport {
+            mean: Some(8.0),
+            updates: 400,
+            dimensions: Some(2),
+        };
+        let sensor = Sensor::of_positions(&SensorSettings::named("radar"), 6.0);
+        let told = warning(&nis, 1.0, std::slice::from_ref(&sensor)).unwrap();
+        assert!(
+            told.ends_with("sigma × 2.00 would fit: sigma_x_m 12, sigma_y_m 12"),
+            "{told}"
+        );
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The part `association` of a report.
 
 use super::clutter::ClutterLine;
+use super::estimates::Estimate;
 use super::speeds::Taken;
 use super::track::Tracked;
 use crate::experiment::input::DetectionResult;
@@ -40,6 +41,10 @@ pub struct Association {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     clutter: Option<Vec<ClutterLine>>,
+    /// What nobody said of the sensors and was estimated from the recording; absent where nothing was.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "service", schema(required = false))]
+    estimates: Vec<Estimate>,
     /// Tracks that were confirmed.
     tracks: Vec<TrackLine>,
     /// What the associator says of its own work; each has its own fields.
@@ -124,6 +129,7 @@ pub fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSetting
             .map(|models| model_lines(set, models)),
         sensors: sensors.to_vec(),
         clutter: tracked.clutter.clone(),
+        estimates: tracked.estimates.clone(),
         tracks: lines,
         diagnostics: tracked.diagnostics.clone(),
         taken: (!tracked.taken.is_empty()).then(|| tracked.taken.clone()),

@@ -2,10 +2,11 @@
 
 use super::auto_filter::SettledTracking;
 use super::clutter::{self, ClutterLine};
+use super::estimates::{self, Estimate};
 use super::report::NisReport;
 use super::speeds::{self, Taken};
 use super::truth_initiation::{self, Start};
-use super::{no_tracks, noise, scan_gaps};
+use super::{maneuver_index, no_tracks, noise, scan_gaps};
 use crate::association::{Associator, BuildAssociator, Needs, Trace};
 use crate::experiment::files::datasets;
 use crate::experiment::input::{JobData, sensors};
@@ -47,6 +48,8 @@ pub struct Tracked {
     pub diagnostics: Option<Value>,
     /// The clutter that was used, where it was not given as one number.
     pub clutter: Option<Vec<ClutterLine>>,
+    /// What nobody said of the sensors.
+    pub estimates: Vec<Estimate>,
     /// Maps of clutter at the end.
     maps: Vec<Option<ClutterMap>>,
     /// How long the associator took, where that was asked for.
@@ -106,7 +109,14 @@ pub fn track(
     let mut warnings = Vec::new();
     data.warn_of_heights("tracked");
     let scenario = input.scenario.as_ref();
-    let tracked = track_with(
+    // A simulation knows what it made, a detector what it looked for.
+    let estimates = if scenario.is_some() || data.record.is_some() {
+        Vec::new()
+    } else {
+        estimates::complete(data, tracking, observer)?
+    };
+    warnings.extend(estimates::warnings(&estimates));
+    let mut tracked = track_with(
         data,
         scenario,
         tracking,
@@ -116,6 +126,9 @@ pub fn track(
         observer,
     );
     data.warnings.append(&mut warnings);
+    if let Ok(tracked) = &mut tracked {
+        tracked.estimates = estimates;
+    }
     tracked
 }
 
@@ -143,7 +156,12 @@ fn track_with(
     };
     tracked.clutter = clutter::lines(&resolved, &tracked.tracks, &tracked.maps);
     warnings.extend(scan_gaps::warning(recording));
-    warnings.extend(noise::warning(&tracked.nis, lifecycle.gate_probability));
+    warnings.extend(noise::warning(
+        &tracked.nis,
+        lifecycle.gate_probability,
+        &sensors,
+    ));
+    warnings.extend(maneuver_index::warning(&resolved, filter));
     warnings.extend(no_tracks::warning(&tracked, &resolved, &lifecycle, filter));
     // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
     if !scenario.is_some_and(has_local_clutter) {
@@ -249,6 +267,7 @@ impl<'a> TrackerRun<'a> {
             models: filter.models().copied(),
             diagnostics,
             clutter: None,
+            estimates: Vec::new(),
             maps,
             association_time,
             trace,

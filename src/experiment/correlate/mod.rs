@@ -131,19 +131,21 @@ impl CorrelateJob {
             data.warnings
                 .push(format!("the filter of the tracks is '{name}'"));
         }
-        let sensors = data.sensors.clone();
+        let mut sensors = data.sensors.clone();
         let mut nodes = Nodes {
             truth_ids: all.targets.clone(),
             ..Nodes::default()
         };
         let mut origins = Vec::new();
-        for sensor in &sensors {
+        for sensor in &mut sensors {
             let sensor_id = sensor.sensor_id.clone();
             let own = all.only_sensors(std::slice::from_ref(&sensor_id))?;
             data.recording = Some(own);
             data.sensors = vec![sensor.clone()];
             let (input, requested) = (&self.spec.input, &self.spec.sensors);
             let tracked = track(data, input, &tracking, requested, settings, observer)?;
+            // With what was estimated.
+            *sensor = data.sensors[0].clone();
             origins.extend(nodes::by_detections(&tracked.tracks, data.recording()?));
             let tracks = tracked.tracks;
             nodes.nodes.push(Node { sensor_id, tracks });
