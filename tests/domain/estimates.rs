@@ -106,20 +106,17 @@ fn positions_tell_noise_detection_and_clutter() {
     );
     let given = json!([{"sensor_id": "radar", "p_d": 0.8, "sigma_x_m": 20.0, "sigma_y_m": 8.0, "clutter_per_m2": 10.0 / 16_000.0f64.powi(2)}]);
     let best = tracked(&scene, &given);
-    let gospa = |outcome: &Outcome| {
-        outcome
-            .result
-            .pointer("/metrics/gospa/value")
-            .unwrap()
-            .as_f64()
-            .unwrap()
+    let number = |outcome: &Outcome, pointer: &str| {
+        outcome.result.pointer(pointer).unwrap().as_f64().unwrap()
     };
-    assert!(
-        gospa(&outcome) < 1.05 * gospa(&best),
-        "{} for {}",
-        gospa(&outcome),
-        gospa(&best)
-    );
+    for quantity in ["localisation_sum", "missed_sum"] {
+        let pointer = format!("/metrics/gospa/quantities/{quantity}/value");
+        let [open, known] = [&outcome, &best].map(|outcome| number(outcome, &pointer));
+        assert!(open < 1.05 * known, "{quantity} {open} for {known}");
+    }
+    let [open, known] =
+        [&outcome, &best].map(|outcome| number(outcome, "/association/counts/tracks"));
+    assert!((open - known).abs() <= 2.0, "{open} tracks for {known}");
     assert!(best.result["association"].get("estimates").is_none());
 }
 

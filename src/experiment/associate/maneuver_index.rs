@@ -46,8 +46,8 @@ pub fn warning(data: &ResolvedRecording, filter: &AnyFilter) -> Option<String> {
     let least = indices.min_by(|one, other| one.value.total_cmp(&other.value))?;
     (least.value > ENOUGH).then(|| {
         format!(
-            "the manoeuvre index √(q T³) / σ is {}, above {ENOUGH}: with process_noise_m2ps3 {q}, {} s between scans and noise of {} m a filter \
-             of several motion models ('method': 'imm') follows targets better than one",
+            "the manoeuvre index √(q T³) / σ is {}, above {ENOUGH}, with process_noise_m2ps3 {q}, {} s between scans and noise of {} m: if targets \
+             turn that much, a filter of several motion models ('method': 'imm') follows them better than one; if not, a smaller process noise fits",
             two_digits(least.value),
             two_digits(least.period_s),
             two_digits(least.sigma_m)
