@@ -295,6 +295,8 @@ mod tests {
     use crate::model::scan::Measurement;
     use crate::model::sensing::MeasurementModel;
     use crate::model::sensor::{Sensor, SensorSettings};
+    use crate::model::sight::{Limits, Sector, SectorSettings};
+    use crate::model::state::Position;
 
     /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
     fn warnings(count: usize, clutter_per_m2: Option<f64>) -> Vec<String> {
@@ -358,5 +360,59 @@ mod tests {
             low.len() == 1 && low[0].contains("6.000e-3 per m²"),
             "{low:?}"
         );
+    }
+
+    #[test]
+    fn each_sector_is_held_against_what_lies_in_it() {
+        // A disc of 1 000 m² whose eastern quarter is said to have 0.02 and the rest 1e-9 per m². Sixty detections in the west.
+        let east = SectorSettings {
+            bearing_from_deg: Some(45.0),
+            bearing_to_deg: Some(135.0),
+            clutter_per_m2: Some(0.02),
+            ..SectorSettings::default()
+        };
+        let settings = SensorSettings {
+            x_m: Some(0.0),
+            y_m: Some(0.0),
+            max_range_m: Some((1000.0 / std::f64::consts::PI).sqrt()),
+            clutter_per_m2: Some(0.08),
+            sectors: Some(vec![east]),
+            ..SensorSettings::named("radar")
+        };
+        let place = |index: usize| Measurement::Position {
+            x_m: -1.0 - 0.1 * index as f64,
+            y_m: 0.0,
+        };
+        let places: Vec<Measurement> = (0..60).map(place).collect();
+        let recording = one_scan(settings.clone(), &places);
+        let sensor = Sensor {
+            clutter_density: 0.08,
+            sight: Some(Sight {
+                place_m: Position::zeros(),
+                view: Limits::ALL,
+                sectors: vec![Sector {
+                    limits: east.view().limits(),
+                    p_d: None,
+                    log_clutter_ratio: 0.25f64.ln(),
+                }],
+                p_d: 0.9,
+                by_range: None,
+                clutter: None,
+            }),
+            ..Sensor::of_positions(&settings, 1.0)
+        };
+        let data = ResolvedRecording {
+            recording: &recording,
+            known: &[settings],
+            sensors: &[sensor],
+        };
+        // 0.08 × 750 m² = 60 agree; none of 0.02 × 250 m² = 5 is too few to tell.
+        assert_eq!(
+            disagreements(&data, &TrackSet::default()),
+            Vec::<String>::new()
+        );
+        let lines = lines(&data, &TrackSet::default(), &[]).unwrap();
+        assert_eq!((lines[0].method, lines[0].used), ("sectors", 0.08));
+        assert!((lines[0].left_over - 0.06).abs() < 1e-12);
     }
 }

@@ -1,3 +1,5 @@
+//! Limits, sectors, P_D by range, and what is seen of an uncertain track.
+
 use super::*;
 use crate::model::state::State;
 
@@ -161,15 +163,23 @@ fn p_d_of_a_track_fades_at_an_edge() {
         ..RADAR
     };
     let seen = sight(view, &[]);
-    let normal = |z: f64| 0.5 * crate::math::gaussian::chi_square_tail(z * z, 1.0);
-    for offset in [-2.5, -1.2, -0.6, -0.2, 0.2, 0.6, 1.2, 2.5] {
+    // The tail of the standard normal distribution beyond so many σ.
+    let tails = [
+        (0.2, 0.420_740),
+        (0.6, 0.274_253),
+        (1.2, 0.115_070),
+        (2.5, 0.006_210),
+    ];
+    for (offset, share) in tails
+        .into_iter()
+        .flat_map(|(offset, tail)| [(offset, tail), (-offset, 1.0 - tail)])
+    {
         // σ 20 m along the range at 1 000 m + offset σ.
         let found = seen.mean_p_d(
             &belief(0.0, 1000.0 + 20.0 * offset, 1.0, 20.0),
             &Position::zeros(),
         );
-        let tail = normal(offset);
-        let wanted = 0.9 * if offset > 0.0 { tail } else { 1.0 - tail };
+        let wanted = 0.9 * share;
         assert!(
             (found - wanted).abs() < 0.9 / 14.0 + 1e-9,
             "{offset}: {found} for {wanted}"

@@ -273,17 +273,19 @@ fn put(settings: &mut SensorSettings, estimate: &Estimate) {
     }
 }
 
+/// Everything that may be estimated.
+fn values(settings: &SensorSettings) -> Vec<Option<f64>> {
+    let mut values = vec![
+        settings.p_d,
+        settings.clutter_per_m2,
+        settings.clutter_per_deg,
+    ];
+    values.extend(noise::NAMES.iter().map(|name| noise::get(settings, name)));
+    values
+}
+
 /// Whether nothing that was estimated changed much.
 fn is_settled(before: &[SensorSettings], after: &[SensorSettings]) -> bool {
-    let values = |settings: &SensorSettings| {
-        let mut values = vec![
-            settings.p_d,
-            settings.clutter_per_m2,
-            settings.clutter_per_deg,
-        ];
-        values.extend(noise::NAMES.iter().map(|name| noise::get(settings, name)));
-        values
-    };
     let is_near = |(one, other): (Option<f64>, Option<f64>)| match (one, other) {
         (Some(one), Some(other)) => (one - other).abs() <= SETTLED * one.abs().max(other.abs()),
         (one, other) => one == other,

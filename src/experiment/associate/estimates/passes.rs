@@ -148,7 +148,6 @@ impl FoundOfSensor {
             let mut candidates = set.candidates_of(point).iter();
             candidates.find_map(|candidate| candidate.detection)
         };
-        let is_confirmed = |point: &TrackPoint| point.status != Some(TrackStatus::Tentative);
         let last = track
             .points
             .iter()
@@ -179,4 +178,8 @@ impl FoundOfSensor {
             self.residuals.add([&triple[0], &triple[1], &triple[2]]);
         }
     }
+}
+
+fn is_confirmed(point: &TrackPoint) -> bool {
+    point.status != Some(TrackStatus::Tentative)
 }

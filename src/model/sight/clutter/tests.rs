@@ -1,8 +1,10 @@
+//! Cells, what a map learns, and what neighbours tell.
+
 use super::*;
-use crate::math::rng::{Purpose, Seed};
 use crate::model::scan::Detection;
 use crate::model::sight::ViewSettings;
-use rand::RngExt;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson};
 
 fn scan_of(places: &[[f64; 2]]) -> Scan {
@@ -90,7 +92,7 @@ const ONE_CELL: MapPlan = MapPlan {
 fn a_map_wanders_around_the_density_as_worked_out() {
     // λ A = 5: variance α λ / ((2 − α) A) = 1.282051e-13, relative standard deviation 0.0716115.
     let count = Poisson::new(5.0).unwrap();
-    let mut draw = Seed { seed: 7, run: 0 }.stream(Purpose::Clutter, 0, 0);
+    let mut draw = ChaCha8Rng::seed_from_u64(7);
     let mut map = ClutterMap::new(vec![1.0]);
     let (mut sum, mut squares, scans) = (0.0, 0.0, 200_000);
     for index in 0..scans + 200 {
@@ -149,7 +151,7 @@ fn neighbours_tell_the_density_without_bias() {
     // λ 0.01, k 5: E (k − 1) / (π d²) = 0.01 with a standard deviation of λ / √3 = 0.0057735.
     let (mut sum, mut squares, scenes) = (0.0, 0.0, 4000);
     for scene in 0..scenes {
-        let mut draw = Seed { seed: 11, run: 0 }.stream(Purpose::Clutter, 0, scene);
+        let mut draw = ChaCha8Rng::seed_from_u64(scene);
         let count = Poisson::new(0.01 * 80.0 * 80.0).unwrap().sample(&mut draw) as usize;
         let mut places = vec![[40.0, 40.0]];
         for _ in 0..count {
