@@ -5,7 +5,7 @@
 //! (the filter alone) and under every other associator, in u, as a ratio to the oracle, and for each detection as a ratio to
 //! the smallest scene. Last, what JPDA costs in whole runs and how it found its marginals.
 //! `cargo bench --bench association -- 100 5000` runs only these sizes, `-- jpda` only the whole runs of JPDA, `-- imm` only what
-//! filters of several motion models cost.
+//! filters of several motion models cost, `-- space` only what tracks in space cost beside those in the plane.
 
 #[path = "support/flights.rs"]
 mod flights;
@@ -18,12 +18,13 @@ use std::time::Instant;
 use trackloom_domain::association::{ASSOCIATORS, Associator};
 use trackloom_domain::filtering::{AnyFilter, FILTERS};
 use trackloom_domain::math::rng::Seed;
-use trackloom_domain::model::scan::Recording;
+use trackloom_domain::model::scan::{Measurement, Recording};
 use trackloom_domain::model::scenario::{
     RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan,
 };
 use trackloom_domain::model::sensing::MeasurementModel;
 use trackloom_domain::model::sensor::Sensor;
+use trackloom_domain::model::space::Space;
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{
@@ -68,6 +69,10 @@ fn main() {
         imm_scenes(u_ns);
         return;
     }
+    if std::env::args().any(|argument| argument == "space") {
+        space_scenes(u_ns);
+        return;
+    }
     let mut smallest = Vec::new();
     for &targets in if chosen.is_empty() {
         &SIZES[..]
@@ -82,7 +87,54 @@ fn main() {
     if chosen.is_empty() {
         jpda_scenes(u_ns);
         imm_scenes(u_ns);
+        space_scenes(u_ns);
     }
+}
+
+/// The whole tracker of positions with heights beside that of the same positions in the plane.
+fn space_scenes(u_ns: f64) {
+    println!("\nSpace, for each living track and scan");
+    println!(
+        "{:>8}  {:<24} {:<24} {:>8} {:>8} {:>9}",
+        "targets", "associator", "states", "ns each", "u each", "/ plane"
+    );
+    for targets in [100, 1_000] {
+        let (scenario, recording) = scene(targets);
+        let lifted = lifted(&recording);
+        let plane = AnyFilter::kalman(1.0);
+        for method in ["oracle", "global_nearest_neighbour"] {
+            let mut least_ns = [f64::INFINITY; 2];
+            for _ in 0..RUNS {
+                let space = plane.within(Space::Volume);
+                for (least_ns, (filter, recording)) in least_ns
+                    .iter_mut()
+                    .zip([(plane, &recording), (space, &lifted)])
+                {
+                    let (seconds, scans, _) = tracked_with(filter, method, &scenario, recording);
+                    *least_ns = least_ns.min(seconds * 1e9 / scans as f64);
+                }
+            }
+            for (ns, name) in least_ns.iter().zip(["4, plane", "6, space"]) {
+                let (u, ratio) = (ns / u_ns, ns / least_ns[0]);
+                println!("{targets:>8}  {method:<24} {name:<24} {ns:>8.1} {u:>8.2} {ratio:>9.2}");
+            }
+        }
+    }
+}
+
+/// The same detections, all of them 3 km high.
+fn lifted(recording: &Recording) -> Recording {
+    let mut parts = recording.clone().into_parts();
+    for detection in parts.scans.iter_mut().flat_map(|scan| &mut scan.detections) {
+        if let Measurement::Position { x_m, y_m } = detection.measurement {
+            detection.measurement = Measurement::Position3 {
+                x_m,
+                y_m,
+                z_m: 3000.0,
+            };
+        }
+    }
+    Recording::new(parts).expect("the same detections")
 }
 
 /// The whole tracker with filters of several motion models beside the filter of one: under the oracle, which costs the filter
@@ -173,9 +225,11 @@ fn compare(targets: u32, u_ns: f64, smallest: &[f64]) -> Vec<f64> {
 fn scene(targets: u32) -> (Scenario, Recording) {
     let scale = (f64::from(targets) / 100.0).max(1.0).sqrt();
     let scenario = Scenario {
+        origin: None,
         scans: 30,
         scan_period_s: 8.0,
         sensors: vec![ScenarioSensor {
+            in_space: Default::default(),
             lat_deg: None,
             lon_deg: None,
             sensor_id: "radar".into(),
@@ -242,6 +296,7 @@ fn tracked_with(
     let Some(ReportNoise::Position {
         sigma_x_m,
         sigma_y_m,
+        ..
     }) = sensor.noise()
     else {
         panic!("the scenes have position reports")
@@ -265,9 +320,15 @@ fn tracked_with(
             p_d: sensor.p_d,
             clutter_density: sensor.clutter_per_m2().unwrap_or_default(),
             may_start: true,
-            report: MeasurementModel::Position {
-                sigma_x_m,
-                sigma_y_m,
+            report: match filter.space() {
+                Space::Volume => MeasurementModel::Position3 {
+                    sigmas_m: [sigma_x_m, sigma_y_m, sigma_x_m],
+                    clutter_span: Some(10_000.0),
+                },
+                _ => MeasurementModel::Position {
+                    sigma_x_m,
+                    sigma_y_m,
+                },
             },
             sight: None,
         }],
@@ -349,6 +410,7 @@ fn associator(method: &str, parameters: &serde_json::Value) -> Box<dyn Associato
 /// 100 targets that start within 2 km, and 500 false detections a scan in the same 2 km.
 fn dense_scene() -> (Scenario, Recording) {
     let sensor = ScenarioSensor {
+        in_space: Default::default(),
         lat_deg: None,
         lon_deg: None,
         sensor_id: "radar".into(),
@@ -373,6 +435,7 @@ fn dense_scene() -> (Scenario, Recording) {
         speed_max_mps: 15.0,
     };
     recorded(Scenario {
+        origin: None,
         scans: 30,
         scan_period_s: 2.0,
         sensors: vec![sensor],

@@ -84,6 +84,8 @@ fn a_hundred_scans_of_any_size_cost_a_handful_of_allocations() {
 /// A lattice of `side` × `side` targets that drift together, so close that gates overlap, in clutter.
 fn scene(side: u32) -> (Scenario, Recording) {
     let target = |index: u32| ListedTarget {
+        z_m: None,
+        vz_mps: None,
         truth_id: (index + 1).to_string(),
         x_m: f64::from(index % side) * 60.0,
         y_m: f64::from(index / side) * 60.0,
@@ -91,6 +93,7 @@ fn scene(side: u32) -> (Scenario, Recording) {
         vy_mps: 0.5,
     };
     let sensor = ScenarioSensor {
+        in_space: Default::default(),
         lat_deg: None,
         lon_deg: None,
         sensor_id: "radar".into(),
@@ -112,6 +115,7 @@ fn scene(side: u32) -> (Scenario, Recording) {
         targets: (0..side * side).map(target).collect(),
     };
     let scenario = Scenario {
+        origin: None,
         scans: (WARM_UP + COUNTED) as u32,
         scan_period_s: 2.0,
         sensors: vec![sensor],

@@ -71,6 +71,8 @@ impl Flights {
             (0..rows).flat_map(move |row| (0..columns).map(move |column| (flight, row, column)))
         });
         let target = |(flight, row, column): (u32, u32, u32)| ListedTarget {
+            z_m: None,
+            vz_mps: None,
             truth_id: format!("{flight}-{row}-{column}"),
             x_m: 1000.0 * (f64::from(flight) - f64::from(flights - 1) / 2.0)
                 + spacing_m * f64::from(column),
@@ -169,6 +171,7 @@ impl Flights {
 fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
     let max_range_m = 3_000.0;
     let sensor = ScenarioSensor {
+        in_space: Default::default(),
         lat_deg: None,
         lon_deg: None,
         sensor_id: "radar".into(),
@@ -193,6 +196,7 @@ fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
         targets: targets.to_vec(),
     };
     Scenario {
+        origin: None,
         scans: 30,
         scan_period_s: 2.0,
         sensors: vec![sensor],

@@ -335,7 +335,7 @@ fn straight(sojourn_s: f64) -> Model {
 
 fn imm<const R: usize, const N: usize>(
     models: &[Model],
-    step: &Step<R>,
+    step: &Step<ModeStep, R>,
     truth: &[State],
     runs: u32,
 ) -> Errors {
@@ -398,6 +398,10 @@ impl WithFilter for Named<'_> {
         errors_of(&filter, &filter.step(PERIOD_S), self.truth, self.runs)
     }
 
+    fn in_volume<F: Filter<6>>(self, _filter: F) -> Errors {
+        panic!("the scene is of the plane")
+    }
+
     fn of_bearings<F: Filter<2>>(self, _filter: F) -> Errors {
         panic!("the scene has places")
     }
@@ -412,6 +416,10 @@ impl WithFilter for NamedAndSmoothed<'_> {
     fn in_plane<F: Filter<4>>(self, filter: F) -> Errors {
         let Named { truth, runs } = self.0;
         smoothed_errors_of(&filter, &filter.step(PERIOD_S), truth, runs)
+    }
+
+    fn in_volume<F: Filter<6>>(self, _filter: F) -> Errors {
+        panic!("the scene is of the plane")
     }
 
     fn of_bearings<F: Filter<2>>(self, _filter: F) -> Errors {

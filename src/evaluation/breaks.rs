@@ -7,7 +7,7 @@
 use super::EvaluationInput;
 use super::comparison::{ComparedStep, Comparison};
 use super::events::{Event, EventKind, EventLog};
-use crate::model::scan::{DetectionIndex, Recording};
+use crate::model::scan::Recording;
 use crate::model::space::Place;
 use crate::model::state::Position;
 use crate::model::track::TrackSet;
@@ -56,7 +56,6 @@ pub fn explain<'a>(
     let recording = input.and_then(|input| input.recording);
     let recording =
         recording.filter(|recording| comparison.is_in_metres() && recording.detection_count() > 0);
-    let detections = recording.map(|recording| (recording, recording.index_detections()));
     let breaks = log
         .events
         .iter()
@@ -77,8 +76,8 @@ pub fn explain<'a>(
             track_id: comparison.track_ids[track as usize].clone(),
             cause,
             other_truth_id: other.map(|truth| comparison.truth_ids[truth as usize].clone()),
-            unseen_scans: detections.as_ref().map(|detections| {
-                unseen_scans(comparison, detections, event.step as usize, truth) as u64
+            unseen_scans: recording.map(|recording| {
+                unseen_scans(comparison, recording, event.step as usize, truth) as u64
             }),
             last_detection_time_s: input
                 .and_then(|input| last_detection_s(input.tracks, track, step.time_s)),
@@ -99,16 +98,8 @@ fn is_there(comparison: &Comparison, step: &ComparedStep, track: u32) -> bool {
         .is_ok()
 }
 
-/// A recording, with where the detections of its scans are in it.
-type Detections<'a> = (&'a Recording, DetectionIndex<'a>);
-
 /// Counts back from a step while no scan of that time has a detection near the target.
-fn unseen_scans(
-    comparison: &Comparison,
-    detections: &Detections,
-    step: usize,
-    truth: u32,
-) -> usize {
+fn unseen_scans(comparison: &Comparison, recording: &Recording, step: usize, truth: u32) -> usize {
     let place = |step: &ComparedStep| {
         let truths = &comparison.truths[step.truths.clone()];
         truths
@@ -119,38 +110,35 @@ fn unseen_scans(
     let steps = comparison.steps[..=step].iter().rev();
     let places = steps.map_while(|step| place(step).map(|position_m| (step.time_s, position_m)));
     places
-        .take_while(|(time_s, position_m)| !is_seen(comparison, detections, *time_s, position_m))
+        .take_while(|(time_s, position_m)| !is_seen(comparison, recording, *time_s, position_m))
         .count()
 }
 
 fn is_seen(
     comparison: &Comparison,
-    (recording, index): &Detections,
+    recording: &Recording,
     time_s: f64,
     position_m: &Place,
 ) -> bool {
     let space = comparison.space.unwrap_or_default();
     let first = recording.scans.partition_point(|scan| scan.time_s < time_s);
-    let scans = (first..).zip(&recording.scans[first..]);
-    scans
-        .take_while(|(_, scan)| scan.time_s == time_s)
-        .any(|(number, scan)| {
-            let sensor = &recording.sensors[scan.sensor];
-            let place_m = Position::new(
-                sensor.x_m.unwrap_or_default(),
-                sensor.y_m.unwrap_or_default(),
-            );
-            let place_m = scan.sensor_place_m(place_m);
-            let mut seen = index.range(number).zip(&scan.detections);
-            seen.any(|(detection, found)| {
-                let seen_m = found.measurement.position_seen_from(&place_m);
-                let z_m = recording.z_m.get(detection).copied().flatten();
-                seen_m.is_some_and(|seen_m| {
-                    let seen_m = space.cut(seen_m.push(z_m.unwrap_or(position_m.z)));
-                    (seen_m - position_m).norm() <= comparison.gate
-                })
+    let scans = recording.scans[first..].iter();
+    scans.take_while(|scan| scan.time_s == time_s).any(|scan| {
+        let sensor = &recording.sensors[scan.sensor];
+        let place_m = Position::new(
+            sensor.x_m.unwrap_or_default(),
+            sensor.y_m.unwrap_or_default(),
+        );
+        let place_m = scan.sensor_place_m(place_m);
+        scan.detections.iter().any(|found| {
+            let seen_m = found.measurement.position_seen_from(&place_m);
+            let z_m = found.measurement.z_m();
+            seen_m.is_some_and(|seen_m| {
+                let seen_m = space.cut(seen_m.push(z_m.unwrap_or(position_m.z)));
+                (seen_m - position_m).norm() <= comparison.gate
             })
         })
+    })
 }
 
 /// The last point at or before `time_s` whose most probable candidate is a detection.

@@ -33,7 +33,8 @@ impl NearestDetection {
         gate_m: f64,
     ) -> Result<Self, Vec<Fault>> {
         let places = places_of(recording, sensors)?;
-        let is_high = recording.is_in_volume() && recording.z_m.iter().all(Option::is_some);
+        let mut seen = recording.detections();
+        let is_high = recording.is_in_volume() && seen.all(|one| one.measurement.z_m().is_some());
         let space = if is_high { space } else { Space::Plane };
         let mut bearings_alone = 0;
         let mut tree = |(first, scan): (usize, &Scan)| {
@@ -41,7 +42,7 @@ impl NearestDetection {
             let seen = (first..).zip(&scan.detections);
             let seen = seen.filter_map(|(index, detection)| {
                 let position_m = detection.measurement.position_seen_from(&place_m)?;
-                let z_m = recording.z_m.get(index).copied().flatten();
+                let z_m = detection.measurement.z_m();
                 Some(Place {
                     position_m: space.cut(position_m.push(z_m.unwrap_or_default())),
                     index: index as u32,
@@ -76,7 +77,7 @@ fn places_of(
     for scan in &recording.scans {
         let reports = scan.detections.iter();
         is_polar[scan.sensor] |= reports
-            .map(|detection| detection.measurement)
+            .map(|detection| detection.measurement.flat())
             .any(|it| matches!(it, Measurement::RangeBearing { .. }));
     }
     let (mut places, mut faults) = (Vec::new(), Vec::new());

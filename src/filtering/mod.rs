@@ -8,6 +8,7 @@ use crate::model::space::Space;
 use crate::model::state::GaussianState;
 use crate::registry::{Field, Kind, Method, Object, Union, default, number, optional, variant};
 use bearing_only::BearingOnly;
+use climbing::Climbing;
 use gaussian::GaussianFilter;
 use imm::Models;
 use motions::{AnyMotion, MOTION_KIND, MotionSpec};
@@ -15,6 +16,7 @@ use nalgebra::SVector;
 use serde::Deserialize;
 
 pub mod bearing_only;
+pub mod climbing;
 pub mod converted;
 pub mod expected;
 pub mod extended;
@@ -145,23 +147,33 @@ pub struct Weighted<C> {
 }
 
 /// A filter that was chosen by name.
-#[expect(clippy::large_enum_variant, reason = "a tracker has one")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AnyFilter {
-    /// Of places.
-    Plane {
-        motion: AnyMotion,
-        way: Way,
-        reports: Reports,
-    },
-    /// Of places, by one of several motions at a time.
-    Interacting {
-        models: Models,
-        way: Way,
-        reports: Reports,
-    },
+    /// Of places in the plane.
+    Plane(PlaceFilter),
+    /// Of places in space.
+    Volume(PlaceFilter),
     /// Of directions.
     Bearing(BearingOnly),
+}
+
+/// A filter of places.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceFilter {
+    pub movement: Movement,
+    pub way: Way,
+    pub reports: Reports,
+    /// How z and its rate change in space, where the movement is of the horizontal.
+    pub vertical: ConstantVelocity,
+}
+
+/// How targets move.
+#[expect(clippy::large_enum_variant, reason = "a filter has one")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Movement {
+    Single(AnyMotion),
+    /// By one of several motions at a time.
+    Several(Models),
 }
 
 /// Which reports a filter of places uses.
@@ -179,66 +191,105 @@ pub trait WithFilter {
 
     fn in_plane<F: Filter<4>>(self, filter: F) -> Self::Output;
 
+    fn in_volume<F: Filter<6>>(self, filter: F) -> Self::Output;
+
     fn of_bearings<F: Filter<2>>(self, filter: F) -> Self::Output;
+}
+
+impl PlaceFilter {
+    fn with_in_plane<W: WithFilter>(self, work: W) -> W::Output {
+        let PlaceFilter { way, reports, .. } = self;
+        // Every filter compiles all that tracks: only the usual motion has one of its own, the others share one a size of state.
+        match self.movement {
+            Movement::Several(models) => models.with(way, reports, work),
+            Movement::Single(AnyMotion::ConstantVelocity(motion)) => {
+                work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports))
+            }
+            Movement::Single(
+                motion @ (AnyMotion::CoordinatedTurn(_) | AnyMotion::OrnsteinUhlenbeck(_)),
+            ) => work.in_plane(GaussianFilter::<AnyMotion, 4, 4>::new(motion, way, reports)),
+            Movement::Single(motion @ AnyMotion::UnknownTurn(_)) => {
+                work.in_plane(GaussianFilter::<AnyMotion, 5, 4>::new(motion, way, reports))
+            }
+            Movement::Single(
+                motion @ (AnyMotion::ConstantAcceleration(_) | AnyMotion::Singer(_)),
+            ) => work.in_plane(GaussianFilter::<AnyMotion, 6, 4>::new(motion, way, reports)),
+        }
+    }
+
+    /// In space all but the usual motion share one instance: several models, of which there may be one.
+    fn with_in_volume<W: WithFilter>(self, work: W) -> W::Output {
+        let (way, reports) = (self.way, self.reports);
+        let models = match self.movement {
+            Movement::Several(models) => models,
+            Movement::Single(motion) => {
+                let climbing = Climbing {
+                    motion,
+                    vertical: self.vertical,
+                };
+                if let Some(motion) = climbing.as_velocity() {
+                    return work.in_volume(GaussianFilter::<_, 6, 6>::new(motion, way, reports));
+                }
+                Models::single(motion)
+            }
+        };
+        models.with_in_volume(self.vertical, (way, reports), work)
+    }
 }
 
 impl AnyFilter {
     pub fn with<W: WithFilter>(&self, work: W) -> W::Output {
-        let (motion, way, reports) = match *self {
-            AnyFilter::Bearing(filter) => return work.of_bearings(filter.build()),
-            AnyFilter::Interacting {
-                models,
-                way,
-                reports,
-            } => return models.with(way, reports, work),
-            AnyFilter::Plane {
-                motion,
-                way,
-                reports,
-            } => (motion, way, reports),
-        };
-        // Every filter compiles all that tracks: only the usual motion has one of its own, the others share one a size of state.
-        match motion {
-            AnyMotion::ConstantVelocity(motion) => {
-                work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports))
-            }
-            AnyMotion::CoordinatedTurn(_) | AnyMotion::OrnsteinUhlenbeck(_) => {
-                work.in_plane(GaussianFilter::<AnyMotion, 4, 4>::new(motion, way, reports))
-            }
-            AnyMotion::UnknownTurn(_) => {
-                work.in_plane(GaussianFilter::<AnyMotion, 5, 4>::new(motion, way, reports))
-            }
-            AnyMotion::ConstantAcceleration(_) | AnyMotion::Singer(_) => {
-                work.in_plane(GaussianFilter::<AnyMotion, 6, 4>::new(motion, way, reports))
-            }
+        match *self {
+            AnyFilter::Bearing(filter) => work.of_bearings(filter.build()),
+            AnyFilter::Plane(filter) => filter.with_in_plane(work),
+            AnyFilter::Volume(filter) => filter.with_in_volume(work),
         }
     }
 
     /// The Kalman filter of positions, with nearly constant velocity.
     pub fn kalman(process_noise_m2ps3: f64) -> Self {
-        AnyFilter::Plane {
-            motion: AnyMotion::ConstantVelocity(ConstantVelocity {
+        AnyFilter::Plane(PlaceFilter {
+            movement: Movement::Single(AnyMotion::ConstantVelocity(ConstantVelocity {
                 spectral_density: process_noise_m2ps3,
-            }),
+            })),
             way: Way::Line,
             reports: Reports::Positions,
+            vertical: vertical(None),
+        })
+    }
+
+    /// The same filter for targets of this space; a filter of directions stays one.
+    #[must_use]
+    pub fn within(self, space: Space) -> Self {
+        match (self, space) {
+            (AnyFilter::Plane(filter), Space::Volume) => AnyFilter::Volume(filter),
+            (AnyFilter::Volume(filter), Space::Plane) => AnyFilter::Plane(filter),
+            (other, _) => other,
+        }
+    }
+
+    /// Of one of places.
+    fn places(&self) -> Option<&PlaceFilter> {
+        match self {
+            AnyFilter::Plane(filter) | AnyFilter::Volume(filter) => Some(filter),
+            AnyFilter::Bearing(_) => None,
         }
     }
 
     /// Whether the kinematics of a target say all that the filter believes of it.
     pub fn is_known_by_kinematics(&self) -> bool {
-        match self {
-            AnyFilter::Plane { motion, .. } => !motion.has_more_than_kinematics(),
-            AnyFilter::Interacting { .. } => false,
-            AnyFilter::Bearing(_) => true,
+        match self.places().map(|filter| &filter.movement) {
+            Some(Movement::Single(motion)) => !motion.has_more_than_kinematics(),
+            Some(Movement::Several(_)) => false,
+            None => true,
         }
     }
 
     /// Where there are several.
     pub fn models(&self) -> Option<&Models> {
-        match self {
-            AnyFilter::Interacting { models, .. } => Some(models),
-            AnyFilter::Plane { .. } | AnyFilter::Bearing(_) => None,
+        match &self.places()?.movement {
+            Movement::Several(models) => Some(models),
+            Movement::Single(_) => None,
         }
     }
 
@@ -254,17 +305,14 @@ impl AnyFilter {
     pub fn space(&self) -> Space {
         match self {
             AnyFilter::Bearing(_) => Space::Bearing,
-            AnyFilter::Plane { .. } | AnyFilter::Interacting { .. } => Space::Plane,
+            AnyFilter::Plane(_) => Space::Plane,
+            AnyFilter::Volume(_) => Space::Volume,
         }
     }
 
     fn uses(&self, any_of: &[Reports]) -> bool {
-        match self {
-            AnyFilter::Plane { reports, .. } | AnyFilter::Interacting { reports, .. } => {
-                any_of.contains(reports)
-            }
-            AnyFilter::Bearing(_) => false,
-        }
+        self.places()
+            .is_some_and(|filter| any_of.contains(&filter.reports))
     }
 }
 
@@ -316,14 +364,28 @@ const MOTION: Field = optional(
     "How targets move; when absent, with nearly constant velocity and process_noise_m2ps3.",
     MOTION_KIND,
 );
-/// The parameters of every filter in the plane.
-const MOTION_FIELDS: [Field; 2] = [PROCESS_NOISE, MOTION];
+const VERTICAL: Field = optional(
+    "vertical_process_noise_m2ps3",
+    "The same of the vertical where targets are tracked in space, whatever they do in the horizontal; 0.01 when absent: aircraft climb calmly. Constant acceleration and Singer's model are the same on all three axes, and do not use it.",
+    number(0.0, 1e9, "m²/s³"),
+);
+/// The parameters of every filter of places.
+const MOTION_FIELDS: [Field; 3] = [PROCESS_NOISE, MOTION, VERTICAL];
 
-/// How targets move, of a filter in the plane.
+/// Nearly constant velocity up or down, with what a request says of it.
+fn vertical(process_noise_m2ps3: Option<f64>) -> ConstantVelocity {
+    const CALM_M2PS3: f64 = 0.01;
+    ConstantVelocity {
+        spectral_density: process_noise_m2ps3.unwrap_or(CALM_M2PS3),
+    }
+}
+
+/// How targets move, of a filter of places.
 #[derive(Deserialize)]
 struct MotionFields {
     process_noise_m2ps3: f64,
     motion: Option<MotionSpec>,
+    vertical_process_noise_m2ps3: Option<f64>,
 }
 
 /// A filter in the plane with the motion that its checked parameters say.
@@ -339,9 +401,10 @@ fn in_plane(
         }),
         AnyMotion::from,
     );
-    Ok(AnyFilter::Plane {
-        motion,
+    Ok(AnyFilter::Plane(PlaceFilter {
+        movement: Movement::Single(motion),
         way,
         reports,
-    })
+        vertical: vertical(fields.vertical_process_noise_m2ps3),
+    }))
 }

@@ -17,7 +17,7 @@
 //! default, no weight is negative and S cannot fail to be positive definite.
 
 use super::expected::{Expected, Gain, expected};
-use super::{FilterMethod, MOTION, PROCESS_NOISE, Reports, Way, in_plane};
+use super::{FilterMethod, MOTION, PROCESS_NOISE, Reports, VERTICAL, Way, in_plane};
 use crate::model::angle;
 use crate::model::sensing::Sensing;
 use crate::model::state::GaussianState;
@@ -43,6 +43,7 @@ static PARAMETERS: Object = Object {
     fields: &[
         PROCESS_NOISE,
         MOTION,
+        VERTICAL,
         default(
             "alpha",
             "Spread of the points around the mean; 1 keeps every weight positive.",

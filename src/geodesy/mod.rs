@@ -10,6 +10,7 @@ pub use slant::at_slant_range;
 pub use stereographic::{Stereographic, turned};
 
 use crate::model::space::{Frame, Place};
+use nalgebra::Matrix3;
 
 /// Semi-major axis (m) and flattening of the ellipsoid (NGA.STND.0036, table 3.1).
 pub const SEMI_MAJOR_M: f64 = 6_378_137.0;
@@ -90,6 +91,12 @@ impl Geodetic {
         let [east, north, up] = self.axes();
         let away = east * enu_m.x + north * enu_m.y + up * enu_m.z;
         Geodetic::from_ecef(&(self.to_ecef() + away))
+    }
+
+    /// From the axes east, north and up here to those of another place.
+    pub fn turn_to(&self, other: &Geodetic) -> Matrix3<f64> {
+        let (from, to) = (self.axes(), other.axes());
+        Matrix3::from_fn(|row, column| to[row].dot(&from[column]))
     }
 
     /// The directions east, north and up here, in geocentric coordinates.

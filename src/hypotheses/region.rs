@@ -1,4 +1,5 @@
-//! Where a filter expects the next report of a track: the centre and spread of its gate, for those who draw it.
+//! Where a filter expects the next report of a track: the centre and spread of its gate, for those who draw it. Of space that is
+//! the shadow on the plane.
 
 use crate::filtering::{Corrector, Filter, WithCorrector};
 use crate::model::sensing::MeasurementModel;
@@ -19,10 +20,10 @@ pub struct ExpectedRegion {
 }
 
 /// After `dt_s`, of a target with these kinematics. `None` for reports of one value, and where nothing can be expected.
-pub fn expect<F: Filter<4>>(
+pub fn expect<F: Filter<K>, const K: usize>(
     filter: &F,
     model: &MeasurementModel,
-    kinematics: &GaussianState,
+    kinematics: &GaussianState<K>,
     dt_s: f64,
 ) -> Option<ExpectedRegion> {
     let mut belief = filter.begin(kinematics);
@@ -36,10 +37,10 @@ struct Expecting<'a, B> {
     belief: &'a B,
 }
 
-impl<F: Filter<4>> WithCorrector<F, 4> for Expecting<'_, F::Belief> {
+impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Expecting<'_, F::Belief> {
     type Output = Option<ExpectedRegion>;
 
-    fn with<C: Corrector<F, 4, D>, const D: usize>(self, corrector: &C) -> Self::Output {
+    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
         if D < 2 {
             return None;
         }

@@ -26,6 +26,17 @@ pub struct SensorFacts {
     /// Detections that have a range rate, or an amplitude, too.
     pub range_rates: u64,
     pub amplitudes: u64,
+    /// Of the positions those with a height, of the ranges and of the bearings those with an elevation.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub heights: u64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub elevations: u64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub bearing_elevations: u64,
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 impl RecordingFacts {
@@ -102,6 +113,9 @@ impl SensorFacts {
             bearings: 0,
             range_rates: 0,
             amplitudes: 0,
+            heights: 0,
+            elevations: 0,
+            bearing_elevations: 0,
         }
     }
 
@@ -115,23 +129,58 @@ impl SensorFacts {
                 self.range_rates += u64::from(range_rate_mps.is_some());
             }
             Measurement::Bearing { .. } => self.bearings += 1,
+            Measurement::Position3 { .. } => {
+                self.positions += 1;
+                self.heights += 1;
+            }
+            Measurement::RangeBearingElevation { range_rate_mps, .. } => {
+                self.ranges += 1;
+                self.elevations += 1;
+                self.range_rates += u64::from(range_rate_mps.is_some());
+            }
+            Measurement::BearingElevation { .. } => {
+                self.bearings += 1;
+                self.bearing_elevations += 1;
+            }
         }
     }
 
+    /// Where all ranges have an elevation so has the sample, else none: that is how they are used.
     fn measurements(&self) -> impl Iterator<Item = Measurement> {
-        let polar = |range_rate_mps| Measurement::RangeBearing {
-            range_m: 1.0,
-            bearing_rad: 0.0,
-            range_rate_mps,
+        let is_spherical = self.elevations > 0 && self.elevations == self.ranges;
+        let polar = move |range_rate_mps| match is_spherical {
+            true => Measurement::RangeBearingElevation {
+                range_m: 1.0,
+                bearing_rad: 0.0,
+                elevation_rad: 0.0,
+                range_rate_mps,
+            },
+            false => Measurement::RangeBearing {
+                range_m: 1.0,
+                bearing_rad: 0.0,
+                range_rate_mps,
+            },
         };
+        let (x_m, y_m, z_m, bearing_rad, elevation_rad) = (1.0, 1.0, 0.0, 0.0, 0.0);
         let kinds = [
             (
-                self.positions > 0,
-                Measurement::Position { x_m: 1.0, y_m: 1.0 },
+                self.positions > self.heights,
+                Measurement::Position { x_m, y_m },
             ),
+            (self.heights > 0, Measurement::Position3 { x_m, y_m, z_m }),
             (self.ranges > self.range_rates, polar(None)),
             (self.range_rates > 0, polar(Some(0.0))),
-            (self.bearings > 0, Measurement::Bearing { bearing_rad: 0.0 }),
+            (
+                self.bearings > self.bearing_elevations,
+                Measurement::Bearing { bearing_rad },
+            ),
+            (
+                self.bearing_elevations > 0,
+                Measurement::BearingElevation {
+                    bearing_rad,
+                    elevation_rad,
+                },
+            ),
         ];
         kinds
             .into_iter()

@@ -9,7 +9,7 @@ use super::state::Position;
 use super::time::TimeBase;
 use std::ops::Range;
 
-/// What a sensor reported for one detection. Bearings are clockwise from north (y), in radians.
+/// What a sensor reported for one detection. Bearings are clockwise from north (y), elevations above the horizontal, in radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measurement {
     Position {
@@ -24,20 +24,95 @@ pub enum Measurement {
     Bearing {
         bearing_rad: f64,
     },
+    /// A place in space.
+    Position3 {
+        x_m: f64,
+        y_m: f64,
+        z_m: f64,
+    },
+    /// The range is a slant range.
+    RangeBearingElevation {
+        range_m: f64,
+        bearing_rad: f64,
+        elevation_rad: f64,
+        range_rate_mps: Option<f64>,
+    },
+    BearingElevation {
+        bearing_rad: f64,
+        elevation_rad: f64,
+    },
 }
 
 impl Measurement {
-    /// The Cartesian position of a position report, else `None`.
+    /// The Cartesian position of a position report in the plane, else `None`.
     pub fn position(&self) -> Option<Position> {
         match *self {
-            Measurement::Position { x_m, y_m } => Some(Position::new(x_m, y_m)),
+            Measurement::Position { x_m, y_m } | Measurement::Position3 { x_m, y_m, .. } => {
+                Some(Position::new(x_m, y_m))
+            }
             _ => None,
+        }
+    }
+
+    /// Whether it says how high its target is, by itself or with the place of its sensor.
+    pub fn tells_height(&self) -> bool {
+        matches!(
+            self,
+            Measurement::Position3 { .. } | Measurement::RangeBearingElevation { .. }
+        )
+    }
+
+    /// Whether it is of directions alone.
+    pub fn is_direction(&self) -> bool {
+        matches!(
+            self,
+            Measurement::Bearing { .. } | Measurement::BearingElevation { .. }
+        )
+    }
+
+    /// The third coordinate of a place in space.
+    pub fn z_m(&self) -> Option<f64> {
+        match *self {
+            Measurement::Position3 { z_m, .. } => Some(z_m),
+            _ => None,
+        }
+    }
+
+    pub fn elevation_rad(&self) -> Option<f64> {
+        match *self {
+            Measurement::RangeBearingElevation { elevation_rad, .. }
+            | Measurement::BearingElevation { elevation_rad, .. } => Some(elevation_rad),
+            _ => None,
+        }
+    }
+
+    /// What it says of the plane: of a slant range what lies along the ground. A range rate along the slant is none along the
+    /// ground.
+    #[inline]
+    #[must_use]
+    pub fn flat(&self) -> Self {
+        match *self {
+            Measurement::Position3 { x_m, y_m, .. } => Measurement::Position { x_m, y_m },
+            Measurement::RangeBearingElevation {
+                range_m,
+                bearing_rad,
+                elevation_rad,
+                ..
+            } => Measurement::RangeBearing {
+                range_m: range_m * elevation_rad.cos(),
+                bearing_rad,
+                range_rate_mps: None,
+            },
+            Measurement::BearingElevation { bearing_rad, .. } => {
+                Measurement::Bearing { bearing_rad }
+            }
+            other => other,
         }
     }
 
     /// The Cartesian position of a position report or of a polar one seen from `place_m`; `None` for a bearing alone.
     pub fn position_seen_from(&self, place_m: &Position) -> Option<Position> {
-        match *self {
+        match self.flat() {
             Measurement::RangeBearing {
                 range_m,
                 bearing_rad,
@@ -60,6 +135,24 @@ impl Measurement {
                     && range_rate_mps.is_none_or(f64::is_finite)
             }
             Measurement::Bearing { bearing_rad } => bearing_rad.is_finite(),
+            Measurement::Position3 { x_m, y_m, z_m } => {
+                [x_m, y_m, z_m].into_iter().all(f64::is_finite)
+            }
+            Measurement::RangeBearingElevation {
+                range_m,
+                bearing_rad,
+                elevation_rad,
+                range_rate_mps,
+            } => {
+                [range_m, bearing_rad, elevation_rad]
+                    .into_iter()
+                    .all(f64::is_finite)
+                    && range_rate_mps.is_none_or(f64::is_finite)
+            }
+            Measurement::BearingElevation {
+                bearing_rad,
+                elevation_rad,
+            } => bearing_rad.is_finite() && elevation_rad.is_finite(),
         }
     }
 }
@@ -117,8 +210,6 @@ pub struct RecordingParts {
     pub detection_ids: Vec<String>,
     /// What is known of the detections besides, in the same order.
     pub beside: Beside,
-    /// One a detection, as `detection_ids`: its third coordinate (m, up), where it has one. Empty of a recording in the plane.
-    pub z_m: Vec<Option<f64>>,
     /// Names of the targets that origins refer to.
     pub targets: Vec<String>,
     /// Whether the recording says which target each detection came from.
@@ -126,14 +217,21 @@ pub struct RecordingParts {
 }
 
 impl RecordingParts {
-    /// Whether any detection has a third coordinate.
+    /// Whether any detection says how high its target is.
     pub fn is_in_volume(&self) -> bool {
-        !self.z_m.is_empty()
+        self.detections()
+            .any(|detection| detection.measurement.tells_height())
     }
 
-    /// The third coordinates of these detections; empty of a recording in the plane.
-    pub fn z_of(&self, detections: Range<usize>) -> &[Option<f64>] {
-        self.z_m.get(detections).unwrap_or_default()
+    /// The third coordinates of the detections; empty where none has one.
+    pub fn z_m(&self) -> Vec<Option<f64>> {
+        let heights = self.detections().map(|one| one.measurement.z_m());
+        let heights: Vec<Option<f64>> = heights.collect();
+        if heights.iter().all(Option::is_none) {
+            Vec::new()
+        } else {
+            heights
+        }
     }
 
     /// The detections of all scans.
@@ -198,11 +296,8 @@ impl std::ops::Deref for Recording {
 impl Recording {
     /// # Errors
     /// All faults: scans out of order, indices out of range, values that are not finite.
-    pub fn new(mut parts: RecordingParts) -> Result<Self, Vec<Fault>> {
+    pub fn new(parts: RecordingParts) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
-        if parts.z_m.iter().all(Option::is_none) {
-            parts.z_m.clear();
-        }
         check_scans(&parts, &mut faults);
         check_detections(&parts, &mut faults);
         if faults.is_empty() {
@@ -284,7 +379,6 @@ impl Recording {
                 ..scan.clone()
             });
             let detections = first..first + scan.detections.len();
-            parts.z_m.extend_from_slice(self.z_of(detections.clone()));
             parts.beside.extend(&self.beside, detections.clone());
             let ids = &self.detection_ids[detections];
             parts.detection_ids.extend_from_slice(ids);
@@ -365,19 +459,6 @@ fn check_detections(parts: &RecordingParts, faults: &mut Vec<Fault>) {
             "there is not one identity for each detection",
         ));
     }
-    if parts.is_in_volume() && parts.z_m.len() != parts.detection_ids.len() {
-        let detail = "there is not one third coordinate, or none, for each detection";
-        faults.push(Fault::new("/z_m", "malformed", detail));
-    }
-    let heights = parts.z_m.iter().enumerate();
-    let infinite = heights.filter(|(_, z_m)| z_m.is_some_and(|z_m| !z_m.is_finite()));
-    faults.extend(infinite.map(|(index, _)| {
-        Fault::new(
-            format!("/z_m/{index}"),
-            "not_finite",
-            "a third coordinate is not a finite number",
-        )
-    }));
     for (index, detection) in parts.detections().enumerate() {
         if !detection.measurement.is_finite()
             || detection

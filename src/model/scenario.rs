@@ -1,6 +1,6 @@
 //! A scenario: which targets move how, and which sensors watch them. Pure description; `simulation` plays it.
 
-use super::space::Space;
+use super::space::{Frame, Space};
 use serde::{Deserialize, Serialize};
 
 /// A scene to simulate. Every sensor makes `scans` scans, one each `scan_period_s`, the first at time 0.
@@ -13,6 +13,9 @@ pub struct Scenario {
     /// Every sensor sees every target in its field of view when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<Coverage>,
+    /// Where x, y and z are 0 on the Earth: latitudes of sensors are measured from it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<Frame>,
     /// With it the sensor makes no detections: a detector finds them in its record.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub record: Option<RecordPlan>,
@@ -69,7 +72,7 @@ pub struct ScenarioSensor {
     pub sensor_id: String,
     pub x_m: f64,
     pub y_m: f64,
-    /// In place of `x_m` and `y_m` where the targets are recorded and have an origin on the Earth.
+    /// In place of `x_m` and `y_m` where the scene has an origin on the Earth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lat_deg: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -101,13 +104,61 @@ pub struct ScenarioSensor {
     /// amplitudes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub snr_db: Option<f64>,
+    #[serde(flatten)]
+    pub in_space: InSpace,
 }
 
+/// What a sensor has besides where targets are in space.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct InSpace {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z_m: Option<f64>,
+    /// Above the ellipsoid, with a latitude and longitude.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_z_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_elevation_deg: Option<f64>,
+    /// False detections are uniform over the field of view and up to so far above the sensor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clutter_height_m: Option<f64>,
+}
+
+/// How high false detections lie where a scenario does not say it.
+const CLUTTER_HEIGHT_M: f64 = 10_000.0;
+
 impl ScenarioSensor {
+    /// How far above the sensor its false detections reach, if it tells heights.
+    pub fn clutter_height_m(&self) -> f64 {
+        self.in_space.clutter_height_m.unwrap_or(CLUTTER_HEIGHT_M)
+    }
+
+    /// False detections per cubic metre and scan; `None` where the field of view has no size.
+    pub fn clutter_per_m3(&self) -> Option<f64> {
+        let per_m2 = self.clutter_per_m2()?;
+        Some(per_m2 / self.clutter_height_m())
+    }
+
+    /// Whether its reports tell heights.
+    pub fn tells_heights(&self) -> bool {
+        self.in_space.sigma_z_m.is_some() || self.in_space.sigma_elevation_deg.is_some()
+    }
+
     /// `None` unless the noises of exactly one kind of report are given.
     pub fn noise(&self) -> Option<ReportNoise> {
         let sigma_range_rate_mps = self.sigma_range_rate_mps;
         if sigma_range_rate_mps.is_some() && self.sigma_range_m.is_none() {
+            return None;
+        }
+        let InSpace {
+            sigma_z_m,
+            sigma_elevation_deg,
+            ..
+        } = self.in_space;
+        if (sigma_z_m.is_some() && self.sigma_x_m.is_none())
+            || (sigma_elevation_deg.is_some() && self.sigma_bearing_deg.is_none())
+        {
             return None;
         }
         match (
@@ -119,17 +170,20 @@ impl ScenarioSensor {
             (Some(sigma_x_m), Some(sigma_y_m), None, None) => Some(ReportNoise::Position {
                 sigma_x_m,
                 sigma_y_m,
+                sigma_z_m,
             }),
             (None, None, Some(sigma_range_m), Some(sigma_bearing_deg)) => {
                 let sigma_bearing_rad = sigma_bearing_deg.to_radians();
                 Some(ReportNoise::RangeBearing {
                     sigma_range_m,
                     sigma_bearing_rad,
+                    sigma_elevation_rad: sigma_elevation_deg.map(f64::to_radians),
                     sigma_range_rate_mps,
                 })
             }
             (None, None, None, Some(sigma_bearing_deg)) => Some(ReportNoise::Bearing {
                 sigma_bearing_rad: sigma_bearing_deg.to_radians(),
+                sigma_elevation_rad: sigma_elevation_deg.map(f64::to_radians),
             }),
             _ => None,
         }
@@ -152,18 +206,22 @@ impl ScenarioSensor {
 /// The noise of what a simulated sensor reports.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ReportNoise {
+    /// With heights where their noise is given.
     Position {
         sigma_x_m: f64,
         sigma_y_m: f64,
+        sigma_z_m: Option<f64>,
     },
-    /// With range rates where their noise is given.
+    /// With elevations and range rates where their noise is given.
     RangeBearing {
         sigma_range_m: f64,
         sigma_bearing_rad: f64,
+        sigma_elevation_rad: Option<f64>,
         sigma_range_rate_mps: Option<f64>,
     },
     Bearing {
         sigma_bearing_rad: f64,
+        sigma_elevation_rad: Option<f64>,
     },
 }
 
@@ -189,6 +247,9 @@ impl TargetPlan {
     pub fn space(&self) -> Space {
         match self {
             TargetPlan::Bearings(_) => Space::Bearing,
+            TargetPlan::Listed { targets } if targets.iter().any(ListedTarget::has_height) => {
+                Space::Volume
+            }
             _ => Space::Plane,
         }
     }
@@ -239,6 +300,17 @@ pub struct ListedTarget {
     pub y_m: f64,
     pub vx_mps: f64,
     pub vy_mps: f64,
+    /// One of them makes the scene a volume, where those that are absent are 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vz_mps: Option<f64>,
+}
+
+impl ListedTarget {
+    fn has_height(&self) -> bool {
+        self.z_m.is_some() || self.vz_mps.is_some()
+    }
 }
 
 /// A target whose course is told leg by leg; after the last one it goes on straight.

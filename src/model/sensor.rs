@@ -30,6 +30,14 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub height_m: Option<f64>,
+    /// Position, up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub z_m: Option<f64>,
+    /// How high targets are where a detection does not say it: its ranges are slant ranges then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub assumed_altitude_m: Option<f64>,
     /// Radius of the field of view around the sensor's position.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
@@ -43,6 +51,10 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub clutter_per_m2: Option<f64>,
+    /// Expected false detections per cubic metre and scan, of a sensor that tells heights.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub clutter_per_m3: Option<f64>,
     /// Expected false detections per degree and scan, of a sensor whose bearings alone are used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
@@ -62,6 +74,12 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_range_rate_mps: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub sigma_z_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub sigma_elevation_deg: Option<f64>,
     /// Whether a report that no track uses may start a track.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
@@ -110,9 +128,12 @@ impl SensorSettings {
             ("lat_deg", self.lat_deg, LATITUDE),
             ("lon_deg", self.lon_deg, LONGITUDE),
             ("height_m", self.height_m, FINITE),
+            ("z_m", self.z_m, FINITE),
+            ("assumed_altitude_m", self.assumed_altitude_m, FINITE),
             ("max_range_m", self.max_range_m, POSITIVE),
             ("p_d", self.p_d, PROBABILITY),
             ("clutter_per_m2", self.clutter_per_m2, POSITIVE),
+            ("clutter_per_m3", self.clutter_per_m3, POSITIVE),
             ("clutter_per_deg", self.clutter_per_deg, POSITIVE),
             ("sigma_x_m", self.sigma_x_m, POSITIVE),
             ("sigma_y_m", self.sigma_y_m, POSITIVE),
@@ -121,6 +142,8 @@ impl SensorSettings {
             ("sigma_range_rate_mps", self.sigma_range_rate_mps, POSITIVE),
             ("p_d_at_m", self.p_d_at_m, POSITIVE),
             ("p_fa", self.p_fa, PROBABILITY),
+            ("sigma_z_m", self.sigma_z_m, POSITIVE),
+            ("sigma_elevation_deg", self.sigma_elevation_deg, POSITIVE),
         ];
         let misfits = checks
             .into_iter()
@@ -144,15 +167,20 @@ impl SensorSettings {
             lat_deg: other.lat_deg.or(self.lat_deg),
             lon_deg: other.lon_deg.or(self.lon_deg),
             height_m: other.height_m.or(self.height_m),
+            z_m: other.z_m.or(self.z_m),
+            assumed_altitude_m: other.assumed_altitude_m.or(self.assumed_altitude_m),
             max_range_m: other.max_range_m.or(self.max_range_m),
             p_d: other.p_d.or(self.p_d),
             clutter_per_m2: other.clutter_per_m2.or(self.clutter_per_m2),
+            clutter_per_m3: other.clutter_per_m3.or(self.clutter_per_m3),
             clutter_per_deg: other.clutter_per_deg.or(self.clutter_per_deg),
             sigma_x_m: other.sigma_x_m.or(self.sigma_x_m),
             sigma_y_m: other.sigma_y_m.or(self.sigma_y_m),
             sigma_range_m: other.sigma_range_m.or(self.sigma_range_m),
             sigma_bearing_deg: other.sigma_bearing_deg.or(self.sigma_bearing_deg),
             sigma_range_rate_mps: other.sigma_range_rate_mps.or(self.sigma_range_rate_mps),
+            sigma_z_m: other.sigma_z_m.or(self.sigma_z_m),
+            sigma_elevation_deg: other.sigma_elevation_deg.or(self.sigma_elevation_deg),
             may_start: other.may_start.or(self.may_start),
             field_of_view: other.field_of_view.or(self.field_of_view),
             sectors: other.sectors.clone().or_else(|| self.sectors.clone()),
@@ -176,7 +204,8 @@ pub struct Misfit {
 pub struct Sensor {
     pub sensor_id: String,
     pub p_d: f64,
-    /// Expected false detections a scan: per m² for positions and polar reports, per rad for bearings alone.
+    /// Expected false detections a scan: per m² of ground, or of what tells heights per m³ if its model says so, and per rad for
+    /// directions alone.
     pub clutter_density: f64,
     /// Whether a report that no track uses may start a track.
     pub may_start: bool,

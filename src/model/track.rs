@@ -7,7 +7,7 @@ use super::scan::check_known;
 use super::space::{Frame, Place, Space};
 use super::state::{Covariance, Packed, Position, State, from_upper_triangle, upper_triangle};
 use super::time::TimeBase;
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 /// The state of a track's life at one scan.
@@ -100,6 +100,18 @@ impl Kinematics {
     pub fn state(&self) -> State {
         let (position_m, velocity_mps) = (self.position, self.velocity.unwrap_or_default());
         State::new(position_m.x, position_m.y, velocity_mps.x, velocity_mps.y)
+    }
+
+    /// `N` / 2 coordinates, then their rates, which are 0 where there are none.
+    pub fn mean<const N: usize>(&self) -> SVector<f64, N> {
+        let (position, velocity) = (self.position, self.velocity.unwrap_or_default());
+        SVector::from_fn(|row, _| {
+            if row < N / 2 {
+                position[row]
+            } else {
+                velocity[row - N / 2]
+            }
+        })
     }
 
     /// The covariance of N variables; `None` of what has others.
@@ -218,7 +230,6 @@ impl TrackSet {
 mod tests {
     use super::*;
     use crate::model::state::GaussianState;
-    use nalgebra::SVector;
 
     fn kinematics<const N: usize>() -> Kinematics {
         let state = GaussianState::<N> {

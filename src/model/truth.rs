@@ -26,6 +26,15 @@ impl TruthPoint {
         }
     }
 
+    pub fn in_space(time_s: f64, position: Place, velocity: Place) -> Self {
+        TruthPoint {
+            height_m: None,
+            time_s,
+            position,
+            velocity: Some(velocity),
+        }
+    }
+
     pub fn at_bearing(time_s: f64, bearing_rad: f64) -> Self {
         TruthPoint {
             height_m: None,

@@ -21,6 +21,7 @@ use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use crate::model::scenario::{BearingTargets, ManeuveringTarget, Scenario, TargetPlan};
+use crate::model::sensing::Site;
 use crate::model::truth::TruthSet;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -117,13 +118,20 @@ pub fn simulate_recorded(
         Some(played) => played.paths.clone(),
         None => targets::paths(scenario, seed),
     };
+    let sites: Vec<Site> = scenario
+        .sensors
+        .iter()
+        .map(|sensor| recorded::site_of(sensor, scenario.origin))
+        .collect();
     let start_s = played.as_ref().map_or(0.0, |played| played.start_s);
     let times: Vec<f64> = (0..scenario.scans)
         .map(|scan| start_s + f64::from(scan) * scenario.scan_period_s)
         .collect();
     let coverage = coverage::Coverage::new(scenario, seed);
-    let (truth, seen) = observed_truth(scenario, &paths, &coverage, &times)?;
+    let (mut truth, seen) = observed_truth(scenario, &paths, &coverage, &times)?;
+    truth.frame = scenario.origin;
     let mut parts = RecordingParts {
+        frame: scenario.origin,
         sensors: scenario.sensors.iter().map(sensors::settings).collect(),
         targets: truth
             .targets()
@@ -147,6 +155,7 @@ pub fn simulate_recorded(
                 coverage: &coverage,
                 fastest_mps,
                 space: scenario.targets.space(),
+                site: sites[index],
             })
         })
     };
@@ -268,7 +277,7 @@ fn observed_truth(
 
 /// Appends one scan. Detections are sorted by what was measured, so that their order tells nothing of their origin.
 fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found: Vec<Detection>) {
-    let values = |detection: &Detection| match detection.measurement {
+    let values = |detection: &Detection| match detection.measurement.flat() {
         Measurement::Position { x_m, y_m } => (x_m, y_m),
         Measurement::RangeBearing {
             range_m,
@@ -276,6 +285,7 @@ fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found
             ..
         } => (range_m, bearing_rad),
         Measurement::Bearing { bearing_rad } => (bearing_rad, 0.0),
+        _ => (0.0, 0.0),
     };
     found.sort_by(|left, right| {
         values(left)

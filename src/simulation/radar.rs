@@ -10,12 +10,13 @@ use crate::math::rng::{Purpose, Seed};
 use crate::model::angle::wrap;
 use crate::model::scan::{Detection, Measurement};
 use crate::model::scenario::{ReportNoise, ScenarioSensor};
-use crate::model::space::Space;
+use crate::model::sensing::Site;
+use crate::model::space::{Place, Space};
 use crate::model::state::Position;
 use crate::model::truth::TruthPoint;
 use rand::RngExt;
 use rand_distr::{Distribution, Poisson, StandardNormal};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A sensor at work.
 #[derive(Clone, Copy)]
@@ -29,11 +30,18 @@ pub(super) struct Radar<'a> {
     pub fastest_mps: f64,
     /// Of the targets.
     pub space: Space,
+    /// Where it stands in a volume.
+    pub site: Site,
 }
 
-/// Whether a place is inside the sensor's field of view: directions always are.
+/// Whether a place is inside the sensor's field of view: directions always are. In space that is a half ball.
 pub(super) fn is_in_view(sensor: &ScenarioSensor, space: Space, point: &TruthPoint) -> bool {
-    let range_m = (point.position.xy() - Position::new(sensor.x_m, sensor.y_m)).norm();
+    let from_m = Place::new(sensor.x_m, sensor.y_m, sensor.in_space.z_m.unwrap_or(0.0));
+    let range_m = if space == Space::Volume {
+        (point.position - from_m).norm()
+    } else {
+        (point.position.xy() - from_m.xy()).norm()
+    };
     let is_near = |max_range_m| range_m <= max_range_m;
     !space.has_places() || sensor.max_range_m.is_some_and(is_near)
 }
@@ -62,7 +70,7 @@ pub(super) fn scan(
             let entity = ((radar.index as u64) << 32) | index as u64;
             let mut draw = seed.stream(Purpose::Detection, entity, scan_index);
             if draw.random::<f64>() < radar.sensor.p_d {
-                let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
+                let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
                 let report = radar.report(&point, errors);
                 // A stream of its own: with amplitudes and without a scene is the same.
                 let mut strength = seed.stream(Purpose::Amplitude, entity, scan_index);
@@ -105,6 +113,11 @@ impl Radar<'_> {
                 sensor.y_m + range_m * bearing_rad.cos(),
             );
             let measurement = match self.noise {
+                _ if sensor.tells_heights() => {
+                    let rise_m = sensor.clutter_height_m() * draw.random::<f64>();
+                    let rate_mps = self.fastest_mps * (2.0 * draw.random::<f64>() - 1.0);
+                    self.high_clutter((range_m, bearing_rad, rise_m), rate_mps)
+                }
                 ReportNoise::Position { .. } => Measurement::Position { x_m, y_m },
                 ReportNoise::RangeBearing {
                     sigma_range_rate_mps,
@@ -156,18 +169,133 @@ impl Radar<'_> {
     fn bearing_rad(&self, point: &TruthPoint) -> f64 {
         match self.space {
             Space::Bearing => point.position.x,
-            Space::Plane | Space::Volume => {
+            Space::Plane => {
                 (point.position.x - self.sensor.x_m).atan2(point.position.y - self.sensor.y_m)
+            }
+            Space::Volume => {
+                let offset_m = self.offset_m(point);
+                offset_m.x.atan2(offset_m.y)
+            }
+        }
+    }
+
+    /// Where a target is from a sensor of a volume, on its own axes.
+    fn offset_m(&self, point: &TruthPoint) -> Place {
+        self.site.turn * (point.position - self.site.place_m)
+    }
+
+    /// A false detection so far along the ground and above a sensor that tells heights.
+    fn high_clutter(
+        &self,
+        (ground_m, bearing_rad, rise_m): (f64, f64, f64),
+        rate_mps: f64,
+    ) -> Measurement {
+        let offset_m = Place::new(
+            ground_m * bearing_rad.sin(),
+            ground_m * bearing_rad.cos(),
+            rise_m,
+        );
+        match self.noise {
+            ReportNoise::Position { .. } => {
+                let place_m = self.site.place_m + self.site.turn.transpose() * offset_m;
+                Measurement::Position3 {
+                    x_m: place_m.x,
+                    y_m: place_m.y,
+                    z_m: place_m.z,
+                }
+            }
+            ReportNoise::RangeBearing {
+                sigma_range_rate_mps,
+                ..
+            } => Measurement::RangeBearingElevation {
+                range_m: offset_m.norm(),
+                bearing_rad,
+                elevation_rad: rise_m.atan2(ground_m),
+                range_rate_mps: sigma_range_rate_mps.map(|_| rate_mps),
+            },
+            ReportNoise::Bearing { .. } => Measurement::BearingElevation {
+                bearing_rad,
+                elevation_rad: rise_m.atan2(ground_m),
+            },
+        }
+    }
+
+    /// What a sensor of a volume reports of a target: like [`Radar::report`]. Without heights ranges are slant ranges still.
+    fn report_in_volume(&self, point: &TruthPoint, errors: [f64; 4]) -> Measurement {
+        let offset_m = self.offset_m(point);
+        let elevation_rad = offset_m.z.atan2(offset_m.xy().norm());
+        let seen_rad = |error_rad: f64| (self.bearing_rad(point) + error_rad).rem_euclid(TAU);
+        match self.noise {
+            ReportNoise::Position {
+                sigma_x_m,
+                sigma_y_m,
+                sigma_z_m,
+            } => {
+                let x_m = point.position.x + errors[0] * sigma_x_m;
+                let y_m = point.position.y + errors[1] * sigma_y_m;
+                match sigma_z_m {
+                    Some(sigma_m) => Measurement::Position3 {
+                        x_m,
+                        y_m,
+                        z_m: point.position.z + errors[3] * sigma_m,
+                    },
+                    None => Measurement::Position { x_m, y_m },
+                }
+            }
+            ReportNoise::RangeBearing {
+                sigma_range_m,
+                sigma_bearing_rad,
+                sigma_elevation_rad,
+                sigma_range_rate_mps,
+            } => {
+                let towards = offset_m.try_normalize(0.0).unwrap_or_else(Place::zeros);
+                let velocity_mps = self.site.turn * point.velocity.unwrap_or_default();
+                let range_m = (offset_m.norm() + errors[0] * sigma_range_m).abs();
+                let bearing_rad = seen_rad(errors[1] * sigma_bearing_rad);
+                let range_rate_mps = sigma_range_rate_mps
+                    .map(|sigma_mps| towards.dot(&velocity_mps) + errors[2] * sigma_mps);
+                match sigma_elevation_rad {
+                    Some(sigma_rad) => Measurement::RangeBearingElevation {
+                        range_m,
+                        bearing_rad,
+                        elevation_rad: within_quarter(elevation_rad + errors[3] * sigma_rad),
+                        range_rate_mps,
+                    },
+                    None => Measurement::RangeBearing {
+                        range_m,
+                        bearing_rad,
+                        range_rate_mps,
+                    },
+                }
+            }
+            ReportNoise::Bearing {
+                sigma_bearing_rad,
+                sigma_elevation_rad,
+            } => {
+                let bearing_rad = seen_rad(errors[0] * sigma_bearing_rad);
+                match sigma_elevation_rad {
+                    Some(sigma_rad) => Measurement::BearingElevation {
+                        bearing_rad,
+                        elevation_rad: within_quarter(elevation_rad + errors[3] * sigma_rad),
+                    },
+                    None => Measurement::Bearing { bearing_rad },
+                }
             }
         }
     }
 
     /// What the sensor reports of a target, with draws of the standard normal distribution as its errors. `None` of a
     /// direction, if it reports places.
-    fn report(&self, point: &TruthPoint, errors: [f64; 3]) -> Option<Measurement> {
+    fn report(&self, point: &TruthPoint, errors: [f64; 4]) -> Option<Measurement> {
         let seen_rad = |error_rad: f64| (self.bearing_rad(point) + error_rad).rem_euclid(TAU);
         match (self.noise, self.space) {
-            (ReportNoise::Bearing { sigma_bearing_rad }, _) => Some(Measurement::Bearing {
+            (_, Space::Volume) => Some(self.report_in_volume(point, errors)),
+            (
+                ReportNoise::Bearing {
+                    sigma_bearing_rad, ..
+                },
+                _,
+            ) => Some(Measurement::Bearing {
                 bearing_rad: seen_rad(errors[0] * sigma_bearing_rad),
             }),
             (_, Space::Bearing) => None,
@@ -175,6 +303,7 @@ impl Radar<'_> {
                 ReportNoise::Position {
                     sigma_x_m,
                     sigma_y_m,
+                    ..
                 },
                 _,
             ) => Some(Measurement::Position {
@@ -186,6 +315,7 @@ impl Radar<'_> {
                     sigma_range_m,
                     sigma_bearing_rad,
                     sigma_range_rate_mps,
+                    ..
                 },
                 _,
             ) => {
@@ -207,4 +337,9 @@ impl Radar<'_> {
             }
         }
     }
+}
+
+/// No elevation is beyond straight up or down.
+fn within_quarter(elevation_rad: f64) -> f64 {
+    elevation_rad.clamp(-FRAC_PI_2, FRAC_PI_2)
 }

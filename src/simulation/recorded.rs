@@ -3,10 +3,11 @@
 use super::Simulated;
 use super::spline::Spline;
 use super::targets::Path;
-use crate::geodesy::Stereographic;
+use crate::geodesy::{Geodetic, Stereographic};
 use crate::model::fault::Fault;
-use crate::model::scenario::{Scenario, TargetPlan};
-use crate::model::space::Space;
+use crate::model::scenario::{Scenario, ScenarioSensor, TargetPlan};
+use crate::model::sensing::Site;
+use crate::model::space::{Frame, Place, Space};
 use crate::model::truth::TruthSet;
 
 /// The paths of a recording.
@@ -19,6 +20,10 @@ pub(super) struct Played {
 
 /// What cannot go together with recorded targets.
 pub(super) fn fault(scenario: &Scenario) -> Option<Fault> {
+    if scenario.origin.is_some() {
+        let detail = "recorded targets have the origin of their recording";
+        return Some(Fault::new("/origin", "unsupported", detail).allowing("no origin"));
+    }
     scenario.coverage.map(|_| {
         let detail = "how many targets there are, only the recording says";
         Fault::new("/coverage", "unsupported", detail).allowing("no coverage")
@@ -34,8 +39,17 @@ pub(super) fn placed(
     recorded: Option<&TruthSet>,
 ) -> Result<(Scenario, Option<Played>), Vec<Fault>> {
     let mut scenario = scenario.clone();
+    if scenario.targets.space() == Space::Volume {
+        for sensor in &mut scenario.sensors {
+            sensor.in_space.z_m.get_or_insert(0.0);
+        }
+    }
     let TargetPlan::Recorded(plan) = scenario.targets.clone() else {
-        return refuse_latitudes(&scenario).map(|()| (scenario, None));
+        match scenario.origin {
+            Some(origin) => place_sensors(&mut scenario, origin),
+            None => refuse_latitudes(&scenario)?,
+        }
+        return Ok((scenario, None));
     };
     let truth = recorded
         .filter(|truth| truth.space() == Space::Plane)
@@ -44,13 +58,7 @@ pub(super) fn placed(
             vec![Fault::new("/targets", "missing", detail).allowing("`truth` beside `input`")]
         })?;
     if let Some(frame) = truth.frame {
-        let plane = Stereographic::from(frame);
-        for sensor in &mut scenario.sensors {
-            if let (Some(lat_deg), Some(lon_deg)) = (sensor.lat_deg, sensor.lon_deg) {
-                let place_m = plane.project(lat_deg, lon_deg);
-                (sensor.x_m, sensor.y_m) = (place_m.x, place_m.y);
-            }
-        }
+        place_sensors(&mut scenario, frame);
     } else {
         refuse_latitudes(&scenario)?;
     }
@@ -72,6 +80,42 @@ pub(super) fn placed(
     }
     played.errors_m.sort_by(f64::total_cmp);
     Ok((scenario, Some(played)))
+}
+
+/// Puts sensors with a latitude and longitude into the plane or the volume of the targets.
+fn place_sensors(scenario: &mut Scenario, frame: Frame) {
+    let (plane, space) = (Stereographic::from(frame), scenario.targets.space());
+    for sensor in &mut scenario.sensors {
+        let (Some(lat_deg), Some(lon_deg)) = (sensor.lat_deg, sensor.lon_deg) else {
+            continue;
+        };
+        if space == Space::Volume {
+            let place_m = site_of(sensor, Some(frame)).place_m;
+            (sensor.x_m, sensor.y_m) = (place_m.x, place_m.y);
+            sensor.in_space.z_m = Some(place_m.z);
+        } else {
+            let place_m = plane.project(lat_deg, lon_deg);
+            (sensor.x_m, sensor.y_m) = (place_m.x, place_m.y);
+        }
+    }
+}
+
+/// Where a sensor stands in a volume, and how its axes lie there.
+pub(super) fn site_of(sensor: &ScenarioSensor, origin: Option<Frame>) -> Site {
+    if let (Some(origin), Some(lat_deg), Some(lon_deg)) = (origin, sensor.lat_deg, sensor.lon_deg) {
+        let origin = Geodetic::from(&origin);
+        let own = Geodetic {
+            lat_deg,
+            lon_deg,
+            height_m: sensor.in_space.height_m.unwrap_or(0.0),
+        };
+        return Site {
+            place_m: origin.enu_of(&own),
+            turn: origin.turn_to(&own),
+        };
+    }
+    let up_m = sensor.in_space.z_m.unwrap_or(0.0);
+    Site::level(Place::new(sensor.x_m, sensor.y_m, up_m))
 }
 
 /// A latitude needs an origin.

@@ -3,6 +3,7 @@
 use crate::model::fault::Fault;
 use crate::model::scenario::{ReportNoise, Scenario, ScenarioSensor, TargetPlan};
 use crate::model::sensor::SensorSettings;
+use crate::model::space::Space;
 
 /// Noises that do not say what the sensor reports, places where targets have none, no field of view where they have, and
 /// clutter stated twice or of the wrong kind.
@@ -40,6 +41,16 @@ pub(super) fn faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario)
         faults.push(
             Fault::new(format!("/sensors/{index}/snr_db"), "conflict", detail)
                 .allowing("without 'record'"),
+        );
+    }
+    if sensor.tells_heights() && targets.space() != Space::Volume {
+        let detail = format!(
+            "targets have no heights, which sensor '{}' reports",
+            sensor.sensor_id
+        );
+        faults.push(
+            Fault::new(format!("/sensors/{index}"), "conflict", detail)
+                .allowing("listed targets with z_m; without sigma_z_m, sigma_elevation_deg"),
         );
     }
     faults.extend(clutter_faults(index, sensor));
@@ -85,6 +96,8 @@ fn has_noise(sensor: &ScenarioSensor) -> bool {
         sensor.sigma_range_m,
         sensor.sigma_bearing_deg,
         sensor.sigma_range_rate_mps,
+        sensor.in_space.sigma_z_m,
+        sensor.in_space.sigma_elevation_deg,
     ];
     noises.iter().any(Option::is_some)
 }
@@ -101,6 +114,8 @@ fn unclear_noise(index: usize, sensor: &ScenarioSensor) -> Fault {
         ("sigma_range_m", sensor.sigma_range_m),
         ("sigma_bearing_deg", sensor.sigma_bearing_deg),
         ("sigma_range_rate_mps", sensor.sigma_range_rate_mps),
+        ("sigma_z_m", sensor.in_space.sigma_z_m),
+        ("sigma_elevation_deg", sensor.in_space.sigma_elevation_deg),
     ];
     let names: Vec<&str> = given
         .iter()
@@ -121,6 +136,11 @@ fn unclear_noise(index: usize, sensor: &ScenarioSensor) -> Fault {
         .allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg[, sigma_range_rate_mps]; or sigma_bearing_deg alone")
 }
 
+/// Whether it was placed in space by its latitude and longitude.
+fn is_of_volume(sensor: &ScenarioSensor) -> bool {
+    sensor.lat_deg.is_some() && sensor.in_space.z_m.is_some()
+}
+
 /// What a recording says of a sensor. Clutter is stated over what it reports: an area, or all directions.
 pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
     let reports_bearings = reports_bearings(sensor);
@@ -130,7 +150,12 @@ pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         y_m: Some(sensor.y_m),
         max_range_m: sensor.max_range_m,
         p_d: Some(sensor.p_d),
-        clutter_per_m2: sensor.clutter_per_m2().filter(|_| !reports_bearings),
+        clutter_per_m2: sensor
+            .clutter_per_m2()
+            .filter(|_| !reports_bearings && !sensor.tells_heights()),
+        clutter_per_m3: sensor
+            .clutter_per_m3()
+            .filter(|_| !reports_bearings && sensor.tells_heights()),
         clutter_per_deg: reports_bearings.then(|| {
             sensor
                 .clutter_per_deg
@@ -141,6 +166,12 @@ pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         sigma_range_m: sensor.sigma_range_m,
         sigma_bearing_deg: sensor.sigma_bearing_deg,
         sigma_range_rate_mps: sensor.sigma_range_rate_mps,
+        sigma_z_m: sensor.in_space.sigma_z_m,
+        sigma_elevation_deg: sensor.in_space.sigma_elevation_deg,
+        z_m: sensor.in_space.z_m,
+        height_m: sensor.in_space.height_m,
+        lat_deg: sensor.lat_deg.filter(|_| is_of_volume(sensor)),
+        lon_deg: sensor.lon_deg.filter(|_| is_of_volume(sensor)),
         ..SensorSettings::default()
     }
 }

@@ -9,6 +9,7 @@ use crate::model::scenario::{
     BearingTargets, CrossingPair, FormationMotion, FormationTargets, ListedTarget,
     ManeuveringTarget, RandomTargets, Scenario, TargetPlan,
 };
+use crate::model::space::{Place, Space};
 use crate::model::state::Position;
 use crate::model::truth::{Target, TruthPoint};
 use rand::RngExt;
@@ -26,6 +27,11 @@ enum Law {
     Straight {
         start_m: Position,
         velocity_mps: Position,
+    },
+    /// Straight on in space.
+    Climbing {
+        start_m: Place,
+        velocity_mps: Place,
     },
     Weaving {
         start_m: Position,
@@ -50,6 +56,10 @@ impl Path {
                 start_m,
                 velocity_mps,
             } => TruthPoint::in_plane(time_s, start_m + velocity_mps * time_s, Some(velocity_mps)),
+            Law::Climbing {
+                start_m,
+                velocity_mps,
+            } => TruthPoint::in_space(time_s, start_m + velocity_mps * time_s, velocity_mps),
             Law::Weaving {
                 start_m,
                 course_mps,
@@ -97,6 +107,7 @@ impl Path {
     pub fn speed_mps(&self) -> f64 {
         match &self.law {
             Law::Straight { velocity_mps, .. } => velocity_mps.norm(),
+            Law::Climbing { velocity_mps, .. } => velocity_mps.norm(),
             Law::Weaving { course_mps, .. } => course_mps.norm(),
             Law::Crossing(_) | Law::Turning { .. } => 0.0,
             Law::Recorded(spline) => spline.fastest_mps(),
@@ -134,7 +145,11 @@ pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
         TargetPlan::Random(plan) => (0..plan.count)
             .map(|index| random_path(plan, index, seed))
             .collect(),
-        TargetPlan::Listed { targets } => targets.iter().map(listed_path).collect(),
+        TargetPlan::Listed { targets } => {
+            let is_in_volume = scenario.targets.space() == Space::Volume;
+            let path = |target| listed_path(target, is_in_volume);
+            targets.iter().map(path).collect()
+        }
         TargetPlan::Maneuvering { targets } => targets.iter().map(maneuvering_path).collect(),
         TargetPlan::Bearings(plan) => bearing_paths(plan),
         TargetPlan::Formation(plan) => formation(plan, seed),
@@ -178,10 +193,19 @@ fn bearing_paths(plan: &BearingTargets) -> Vec<Path> {
         .collect()
 }
 
-fn listed_path(target: &ListedTarget) -> Path {
-    let law = Law::Straight {
-        start_m: Position::new(target.x_m, target.y_m),
-        velocity_mps: Position::new(target.vx_mps, target.vy_mps),
+fn listed_path(target: &ListedTarget, is_in_volume: bool) -> Path {
+    let start_m = Position::new(target.x_m, target.y_m);
+    let velocity_mps = Position::new(target.vx_mps, target.vy_mps);
+    let law = if is_in_volume {
+        Law::Climbing {
+            start_m: start_m.push(target.z_m.unwrap_or(0.0)),
+            velocity_mps: velocity_mps.push(target.vz_mps.unwrap_or(0.0)),
+        }
+    } else {
+        Law::Straight {
+            start_m,
+            velocity_mps,
+        }
     };
     Path {
         truth_id: target.truth_id.clone(),

@@ -87,6 +87,10 @@ impl WithFilter for Work<'_> {
         self.run(&filter)
     }
 
+    fn in_volume<F: Filter<6>>(self, filter: F) -> Vec<Smoothed> {
+        self.run(&filter)
+    }
+
     fn of_bearings<F: Filter<2>>(self, filter: F) -> Vec<Smoothed> {
         self.run(&filter)
     }

@@ -56,6 +56,7 @@ mod segmentation;
 mod shared_gates;
 mod smoothing;
 mod sonar;
+mod space;
 mod tfa_by_hand;
 mod track_alignment;
 mod track_fusion;

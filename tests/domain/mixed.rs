@@ -265,6 +265,10 @@ impl WithFilter for Follow<'_> {
         states
     }
 
+    fn in_volume<F: Filter<6>>(self, _filter: F) -> Vec<Vec<f64>> {
+        panic!("the sensors are of the plane")
+    }
+
     fn of_bearings<F: Filter<2>>(self, _filter: F) -> Vec<Vec<f64>> {
         panic!("the filters are of places")
     }

@@ -156,6 +156,10 @@ fn the_track_is_that_of_updates_from_each_place() {
             packed
         }
 
+        fn in_volume<F: Filter<6>>(self, _filter: F) -> Vec<f64> {
+            Vec::new()
+        }
+
         fn of_bearings<F: Filter<2>>(self, _filter: F) -> Vec<f64> {
             Vec::new()
         }

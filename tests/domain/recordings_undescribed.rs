@@ -4,7 +4,7 @@
 //! `TRACKLOOM_WRITE_TABLES=1 TRACKLOOM_DATA=<folder> cargo test --test domain recordings_undescribed` writes the table anew.
 
 use crate::recordings::{DOCUMENT, files_of, inputs, lines_of, load, present, request};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::experiment::{self, Input, JobKind};

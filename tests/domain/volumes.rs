@@ -274,7 +274,7 @@ fn the_nearest_target_and_the_nearest_detection_are_those_of_the_same_height() {
 }
 
 #[test]
-fn detections_with_heights_are_tracked_in_the_plane_with_one_warning_and_written_with_them() {
+fn detections_with_heights_are_tracked_in_space_unless_asked_otherwise_and_written_with_them() {
     let row = |t: u32| format!("{t},{n},r,a,{x},0,{z}\n", n = t + 1, x = 10 * t, z = 50 + t);
     let rows: String = (0..8).map(row).collect();
     let mut texts = Texts::of("csv");
@@ -289,10 +289,12 @@ fn detections_with_heights_are_tracked_in_the_plane_with_one_warning_and_written
         .iter()
         .filter(|warning| warning.contains("z_m"))
         .collect();
-    let wanted =
-        "the detections are of a volume (z_m): they are tracked in the plane, without heights";
+    let wanted = "sensor 'r': the noise of its heights is not known; that of x and y, 1 m, is assumed: 'sigma_z_m' says it";
     assert_eq!(of_heights, [wanted]);
-    let file = |name: &str| {
+    let flat = json!({"input": input, "sensors": [sensor], "tracker": {"space": "plane"}});
+    let flat = texts.run(JobKind::Associate, &flat).unwrap();
+    assert!(!flat.warnings.iter().any(|warning| warning.contains("z_m")));
+    let file = |outcome: &Outcome, name: &str| {
         let file = outcome
             .artifacts
             .iter()
@@ -300,11 +302,30 @@ fn detections_with_heights_are_tracked_in_the_plane_with_one_warning_and_written
             .unwrap();
         String::from_utf8(file.bytes.clone()).unwrap()
     };
-    assert_eq!(
-        file("detections.csv").lines().nth(2),
-        Some("1,2,r,a,10,0,51")
+    for outcome in [&outcome, &flat] {
+        let detections = file(outcome, "detections.csv");
+        assert_eq!(detections.lines().nth(2), Some("1,2,r,a,10,0,51"));
+    }
+    let beginning = "time_s,track_id,sensor_id,x_m,y_m,vx_mps";
+    assert!(file(&flat, "tracks.csv").starts_with(beginning));
+    let tracks = file(&outcome, "tracks.csv");
+    assert!(tracks.starts_with("time_s,track_id,sensor_id,x_m,y_m,z_m,vx_mps,vy_mps,vz_mps,p_xx"));
+    // It climbs with a metre a second.
+    let last: Vec<f64> = tracks
+        .lines()
+        .last()
+        .unwrap()
+        .split(',')
+        .map(|cell| cell.parse().unwrap_or(f64::NAN))
+        .collect();
+    assert!(
+        (last[3] - 70.0).abs() < 1.0 && (last[5] - 57.0).abs() < 1.0,
+        "{last:?}"
     );
-    assert!(file("tracks.csv").starts_with("time_s,track_id,sensor_id,x_m,y_m,vx_mps"));
+    assert!(
+        (last[6] - 10.0).abs() < 1.0 && (last[8] - 1.0).abs() < 0.5,
+        "{last:?}"
+    );
 }
 
 #[test]

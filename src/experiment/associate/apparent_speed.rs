@@ -194,7 +194,14 @@ fn variance_m2(report: &MeasurementModel, at_m: &Position) -> f64 {
             .sigma_range_m
             .max((at_m - polar.place_m).norm() * polar.sigma_bearing_rad)
             .powi(2),
-        MeasurementModel::Bearing(_) => 0.0,
+        MeasurementModel::Position3 { sigmas_m, .. } => sigmas_m[0].max(sigmas_m[1]).powi(2),
+        MeasurementModel::Spherical(spherical)
+        | MeasurementModel::ConvertedSpherical(spherical) => {
+            let away_m = (at_m - spherical.site.place_m.xy()).norm();
+            let across_m = away_m * spherical.sigma_bearing_rad;
+            spherical.sigma_range_m.max(across_m).powi(2)
+        }
+        MeasurementModel::Bearing(_) | MeasurementModel::Sight(_) => 0.0,
     }
 }
 

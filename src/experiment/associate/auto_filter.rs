@@ -5,11 +5,13 @@
 //! filter of directions.
 
 use super::dry_run;
+use crate::experiment::input::sensors::is_in_volume;
 use crate::experiment::request::draft::{Draft, parse};
 use crate::experiment::request::methods::{FilterChoice, NamedFilter, TrackingSpec, filter_named};
 use crate::filtering::AUTO;
 use crate::model::scan::{Measurement, Recording};
 use crate::model::sensor::SensorSettings;
+use crate::model::space::Space;
 use serde_json::Value;
 
 /// How to track a recording, with its filter.
@@ -34,20 +36,30 @@ pub fn settle_at_planning(draft: &mut Draft) {
     }
 }
 
-/// Takes the filter that suits what was recorded in the place of `auto`.
+/// Takes the filter that suits what was recorded in the place of `auto`, and any filter of places for the space of the recording.
 pub fn settle<'s>(spec: &'s TrackingSpec, recording: &Recording) -> SettledTracking<'s> {
+    let space = tracked_space(recording, spec.tracker.stays_flat);
     if let FilterChoice::Named(filter) = spec.filter {
         return SettledTracking {
             spec,
-            filter,
+            filter: filter.within(space),
             chosen: None,
         };
     }
     let chosen = filter_named(choose_method(recording));
     SettledTracking {
         spec,
-        filter: parse(&chosen),
+        filter: parse::<NamedFilter>(&chosen).within(space),
         chosen: Some(chosen),
+    }
+}
+
+/// Where places are tracked: in space if a sensor tells heights, unless the request says otherwise.
+pub fn tracked_space(recording: &Recording, stays_flat: bool) -> Space {
+    if !stays_flat && is_in_volume(recording) {
+        Space::Volume
+    } else {
+        Space::Plane
     }
 }
 
@@ -55,7 +67,7 @@ fn choose_method(recording: &Recording) -> &'static str {
     let has = |wanted: fn(&Measurement) -> bool| {
         recording
             .detections()
-            .any(|detection| wanted(&detection.measurement))
+            .any(|detection| wanted(&detection.measurement.flat()))
     };
     let is_polar = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
     let is_placed = has(|measurement| matches!(measurement, Measurement::Position { .. }));

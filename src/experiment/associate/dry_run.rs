@@ -1,6 +1,7 @@
 //! What a scenario will report, tried on the filter, the associator and the start of the tracks before anything is simulated:
 //! one detection of each sensor tells what all of them would only tell in the run.
 
+use super::auto_filter::tracked_space;
 use super::check::named_filter;
 use super::known::unusable_alone;
 use super::track::{nothing_starts, unbounded_gate, unmet_need};
@@ -27,6 +28,8 @@ pub fn check(draft: &mut Draft) {
     let Ok(recording) = recording_of(&scenario) else {
         return;
     };
+    let stays_flat = draft.text_at("/tracker/space") == Some("plane");
+    let filter = filter.within(tracked_space(&recording, stays_flat));
     let lifecycle = draft.read("/tracker");
     let requested: Vec<SensorSettings> = draft.read("/sensors").unwrap_or_default();
     // There each sensor is tracked by itself.
@@ -77,6 +80,7 @@ fn check_sensors(
 pub fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
     let is_record = scenario.record.is_some();
     let mut parts = RecordingParts {
+        frame: scenario.origin,
         targets: vec!["target".to_owned()],
         origins_known: true,
         ..Default::default()
@@ -111,14 +115,41 @@ pub fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
 /// What a sensor of the scenario reports; `None` where it does not say.
 fn report_of(sensor: &ScenarioSensor) -> Option<Measurement> {
     Some(match sensor.noise()? {
+        ReportNoise::Position {
+            sigma_z_m: Some(_), ..
+        } => Measurement::Position3 {
+            x_m: 1.0,
+            y_m: 1.0,
+            z_m: 0.0,
+        },
         ReportNoise::Position { .. } => Measurement::Position { x_m: 1.0, y_m: 1.0 },
         ReportNoise::RangeBearing {
+            sigma_elevation_rad,
             sigma_range_rate_mps,
             ..
-        } => Measurement::RangeBearing {
-            range_m: 1.0,
+        } => {
+            let (range_m, bearing_rad) = (1.0, 0.0);
+            let range_rate_mps = sigma_range_rate_mps.map(|_| 0.0);
+            match sigma_elevation_rad {
+                Some(_) => Measurement::RangeBearingElevation {
+                    range_m,
+                    bearing_rad,
+                    elevation_rad: 0.0,
+                    range_rate_mps,
+                },
+                None => Measurement::RangeBearing {
+                    range_m,
+                    bearing_rad,
+                    range_rate_mps,
+                },
+            }
+        }
+        ReportNoise::Bearing {
+            sigma_elevation_rad: Some(_),
+            ..
+        } => Measurement::BearingElevation {
             bearing_rad: 0.0,
-            range_rate_mps: sigma_range_rate_mps.map(|_| 0.0),
+            elevation_rad: 0.0,
         },
         ReportNoise::Bearing { .. } => Measurement::Bearing { bearing_rad: 0.0 },
     })

@@ -116,22 +116,32 @@ impl<'a, W: Fn(&Track) -> bool> WithFilter for Walk<'_, 'a, W> {
     type Output = Option<Gates<'a>>;
 
     fn in_plane<F: Filter<4>>(self, filter: F) -> Option<Gates<'a>> {
-        let mut gates = Vec::new();
-        for track in self.set.tracks.iter().filter(|track| (self.wanted)(track)) {
-            for pair in track.points.windows(2) {
-                if self.was_gated(&pair[1]) {
-                    gates.extend(self.gate(&filter, (track, &pair[0], &pair[1])));
-                }
-            }
-        }
-        Some(Gates {
-            threshold: self.threshold,
-            gates,
-        })
+        Some(self.all(&filter))
+    }
+
+    fn in_volume<F: Filter<6>>(self, filter: F) -> Option<Gates<'a>> {
+        Some(self.all(&filter))
     }
 
     fn of_bearings<F: Filter<2>>(self, _filter: F) -> Option<Gates<'a>> {
         None
+    }
+}
+
+impl<'a, W: Fn(&Track) -> bool> Walk<'_, 'a, W> {
+    fn all<F: Filter<K>, const K: usize>(&self, filter: &F) -> Gates<'a> {
+        let mut gates = Vec::new();
+        for track in self.set.tracks.iter().filter(|track| (self.wanted)(track)) {
+            for pair in track.points.windows(2) {
+                if self.was_gated(&pair[1]) {
+                    gates.extend(self.gate(filter, (track, &pair[0], &pair[1])));
+                }
+            }
+        }
+        Gates {
+            threshold: self.threshold,
+            gates,
+        }
     }
 }
 
@@ -146,13 +156,13 @@ impl<'a, W> Walk<'_, 'a, W> {
                 .all(|candidate| candidate.detection.is_none())
     }
 
-    fn gate<F: Filter<4>>(
+    fn gate<F: Filter<K>, const K: usize>(
         &self,
         filter: &F,
         (track, before, point): (&'a Track, &TrackPoint, &TrackPoint),
     ) -> Option<Gate<'a>> {
         let kinematics = GaussianState {
-            mean: before.estimate.state(),
+            mean: before.estimate.mean::<K>(),
             covariance: before.estimate.covariance()?,
         };
         let sensor_id = self.set.sensor_ids[point.sensor? as usize].as_str();
@@ -160,7 +170,11 @@ impl<'a, W> Walk<'_, 'a, W> {
             .sensors
             .iter()
             .position(|sensor| sensor.sensor_id == sensor_id)?;
-        let report = self.report_at(point.time_s, sensor);
+        let mut report = self.report_at(point.time_s, sensor);
+        if K > 4 {
+            // A slant range is none along the ground: the gate is drawn as that of the place.
+            report = report.converted();
+        }
         let dt_s = point.time_s - before.time_s;
         let expected = region::expect(filter, &report, &kinematics, dt_s)?;
         let covariance = expected.covariance * self.scale_of(&report);

@@ -15,11 +15,11 @@
 use super::speeds::two_digits;
 use super::track::ResolvedRecording;
 use crate::experiment::input::extent::detections_of;
-use crate::filtering::AnyFilter;
 use crate::filtering::motions::AnyMotion;
+use crate::filtering::{AnyFilter, Movement};
 use crate::math::stats::quantile;
 use crate::model::scan::Measurement;
-use crate::model::sensing::{MeasurementModel, Polar};
+use crate::model::sensing::MeasurementModel;
 
 /// Above it an IMM pays.
 const ENOUGH: f64 = 0.5;
@@ -34,11 +34,10 @@ struct Index {
 
 /// Advice where one model of nearly constant velocity is asked to follow what several would follow better.
 pub fn warning(data: &ResolvedRecording, filter: &AnyFilter) -> Option<String> {
-    let AnyFilter::Plane {
-        motion: AnyMotion::ConstantVelocity(motion),
-        ..
-    } = filter
-    else {
+    let (AnyFilter::Plane(places) | AnyFilter::Volume(places)) = filter else {
+        return None;
+    };
+    let Movement::Single(AnyMotion::ConstantVelocity(motion)) = places.movement else {
         return None;
     };
     let q = motion.spectral_density;
@@ -83,24 +82,35 @@ fn sigma_of(data: &ResolvedRecording, sensor: usize) -> Option<f64> {
             sigma_y_m,
         } => Some((sigma_x_m * sigma_y_m).sqrt()),
         MeasurementModel::Polar(polar) | MeasurementModel::Converted(polar) => {
-            let Polar {
-                sigma_range_m,
-                sigma_bearing_rad,
-                ..
-            } = polar;
-            let ranges = detections_of(data.recording, sensor).filter_map(|detection| {
-                match detection.measurement {
-                    Measurement::RangeBearing { range_m, .. } => Some(range_m),
-                    _ => None,
-                }
-            });
-            let mut ranges_m: Vec<f64> = ranges.collect();
-            ranges_m.sort_by(f64::total_cmp);
-            let range_m = quantile(&ranges_m, 0.5)?;
-            Some((sigma_range_m * range_m * sigma_bearing_rad).sqrt())
+            across(data, sensor, (polar.sigma_range_m, polar.sigma_bearing_rad))
         }
-        MeasurementModel::Bearing(_) => None,
+        MeasurementModel::Position3 { sigmas_m, .. } => Some((sigmas_m[0] * sigmas_m[1]).sqrt()),
+        MeasurementModel::Spherical(spherical)
+        | MeasurementModel::ConvertedSpherical(spherical) => across(
+            data,
+            sensor,
+            (spherical.sigma_range_m, spherical.sigma_bearing_rad),
+        ),
+        MeasurementModel::Bearing(_) | MeasurementModel::Sight(_) => None,
     }
+}
+
+/// Of ranges and bearings.
+fn across(
+    data: &ResolvedRecording,
+    sensor: usize,
+    (sigma_range_m, sigma_bearing_rad): (f64, f64),
+) -> Option<f64> {
+    let ranges = detections_of(data.recording, sensor).filter_map(|detection| {
+        match detection.measurement.flat() {
+            Measurement::RangeBearing { range_m, .. } => Some(range_m),
+            _ => None,
+        }
+    });
+    let mut ranges_m: Vec<f64> = ranges.collect();
+    ranges_m.sort_by(f64::total_cmp);
+    let range_m = quantile(&ranges_m, 0.5)?;
+    Some((sigma_range_m * range_m * sigma_bearing_rad).sqrt())
 }
 
 #[cfg(test)]

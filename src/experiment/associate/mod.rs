@@ -13,6 +13,7 @@ mod no_tracks;
 mod noise;
 mod report;
 mod scan_gaps;
+mod slant;
 mod spec;
 mod speeds;
 pub mod track;

@@ -13,7 +13,7 @@
 use super::estimates::three_digits;
 use super::report::NisReport;
 use crate::math::gaussian::{chi_square_tail, gate_threshold};
-use crate::model::sensing::MeasurementModel;
+use crate::model::sensing::{MeasurementModel, Spherical};
 use crate::model::sensor::Sensor;
 
 /// Fewer updates say nothing.
@@ -76,6 +76,33 @@ fn fitting(report: &MeasurementModel, factor: f64) -> String {
         MeasurementModel::Bearing(bearing) => {
             named("sigma_bearing_deg", bearing.sigma_bearing_rad.to_degrees())
         }
+        MeasurementModel::Position3 { sigmas_m, .. } => ["sigma_x_m", "sigma_y_m", "sigma_z_m"]
+            .iter()
+            .zip(sigmas_m)
+            .map(|(name, sigma_m)| named(name, *sigma_m))
+            .collect::<Vec<_>>()
+            .join(", "),
+        MeasurementModel::Spherical(spherical)
+        | MeasurementModel::ConvertedSpherical(spherical) => {
+            let range = named("sigma_range_m", spherical.sigma_range_m);
+            [range, angles(spherical, named)].join(", ")
+        }
+        MeasurementModel::Sight(spherical) => angles(spherical, named),
+    }
+}
+
+/// The noises of bearings, and of elevations where they are measured.
+fn angles(spherical: &Spherical, named: impl Fn(&str, f64) -> String) -> String {
+    let bearing = named(
+        "sigma_bearing_deg",
+        spherical.sigma_bearing_rad.to_degrees(),
+    );
+    match spherical.sigma_elevation_rad {
+        Some(sigma_rad) => {
+            let elevation = named("sigma_elevation_deg", sigma_rad.to_degrees());
+            format!("{bearing}, {elevation}")
+        }
+        None => bearing,
     }
 }
 

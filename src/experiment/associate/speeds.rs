@@ -131,9 +131,10 @@ fn speeds_of_scenario(scenario: &Scenario) -> Option<Speeds> {
         }
         TargetPlan::Listed { targets } => {
             let squares = || {
-                targets
-                    .iter()
-                    .map(|target| target.vx_mps.powi(2) + target.vy_mps.powi(2))
+                targets.iter().map(|target| {
+                    let climb_mps = target.vz_mps.unwrap_or(0.0);
+                    target.vx_mps.powi(2) + target.vy_mps.powi(2) + climb_mps.powi(2)
+                })
             };
             (
                 squares().sum::<f64>() / targets.len().max(1) as f64,
@@ -204,6 +205,7 @@ mod tests {
 
     fn speeds_of(targets: TargetPlan) -> (f64, f64) {
         let scenario = Scenario {
+            origin: None,
             scans: 1,
             scan_period_s: 1.0,
             sensors: Vec::new(),
@@ -227,6 +229,8 @@ mod tests {
         assert_eq!(speeds_of(TargetPlan::Random(random)), (430.0, 1000.0));
         // One fast target among ten that stand still: √(100² / 11 / 2) = 21.3 would lose it; 100 / 2.5 does not.
         let target = |vx_mps| ListedTarget {
+            z_m: None,
+            vz_mps: None,
             truth_id: String::new(),
             x_m: 0.0,
             y_m: 0.0,

@@ -6,7 +6,7 @@ use super::estimates::{self, Estimate};
 use super::report::NisReport;
 use super::speeds::{self, Taken};
 use super::truth_initiation::{self, Start};
-use super::{maneuver_index, no_tracks, noise, scan_gaps};
+use super::{maneuver_index, no_tracks, noise, scan_gaps, slant};
 use crate::association::{Associator, BuildAssociator, Needs, Trace};
 use crate::experiment::files::datasets;
 use crate::experiment::input::{JobData, sensors};
@@ -107,7 +107,6 @@ pub fn track(
     observer: &mut dyn Observer,
 ) -> Result<Tracked, RunError> {
     let mut warnings = Vec::new();
-    data.warn_of_heights("tracked");
     let scenario = input.scenario.as_ref();
     // A simulation knows what it made, a detector what it looked for.
     let estimates = if scenario.is_some() || data.record.is_some() {
@@ -141,8 +140,16 @@ fn track_with(
     warnings: &mut Vec<String>,
     observer: &mut dyn Observer,
 ) -> Result<Tracked, RunError> {
-    let (recording, filter) = (data.recording()?, &tracking.filter.filter);
-    let (run, taken) = TrackerRun::new(data, scenario, tracking, requested, settings, warnings)?;
+    let filter = &tracking.filter.filter;
+    let recording = &*slant::along_ground(data.recording()?, &data.sensors, filter, warnings);
+    let (run, taken) = TrackerRun::new(
+        (data, recording),
+        scenario,
+        tracking,
+        requested,
+        settings,
+        warnings,
+    )?;
     let (sensors, lifecycle) = (run.sensors.clone(), run.lifecycle);
     let resolved = ResolvedRecording {
         recording,
@@ -194,14 +201,14 @@ struct TrackerRun<'a> {
 impl<'a> TrackerRun<'a> {
     /// With what the settings leave open taken from the scene or the data.
     fn new(
-        data: &'a JobData,
+        (data, recording): (&JobData, &'a Recording),
         scenario: Option<&Scenario>,
         tracking: &SettledTracking,
         requested: &[SensorSettings],
         settings: RunSettings,
         warnings: &mut Vec<String>,
     ) -> Result<(Self, Taken), RunError> {
-        let (recording, named) = (data.recording()?, &tracking.filter);
+        let named = &tracking.filter;
         let sensors = sensors::resolve(recording, &data.sensors, named, warnings)?;
         refuse_any(sensors::misplaced_densities(requested, &sensors))?;
         let resolved = ResolvedRecording {

@@ -18,7 +18,7 @@ use crate::hypotheses::certain::locate;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording};
-use crate::model::sensing::MeasurementModel;
+use crate::model::sensing::{MeasurementModel, RangeRate, Spherical};
 use crate::model::sensor::Sensor;
 use crate::model::space::{Place, Space};
 use crate::model::state::{GaussianState, Position};
@@ -36,8 +36,8 @@ pub struct Start {
     report: MeasurementModel,
     /// z.
     measurement: Measurement,
-    /// ṙ with its error, m/s or rad/s; of a bearing only the first.
-    rates: [f64; 2],
+    /// ṙ with its error, m/s or rad/s; of a bearing only the first, of the plane the first two.
+    rates: [f64; 3],
     /// σ.
     sigma: f64,
 }
@@ -46,7 +46,7 @@ pub struct Start {
 struct Truth {
     space: Space,
     position: Place,
-    rates: [f64; 2],
+    rates: [f64; 3],
 }
 
 /// The starts of all targets that are there at the first scan; none where tracks begin otherwise.
@@ -91,7 +91,7 @@ pub fn starts(
     let start = |(index, target): (usize, &Target)| {
         let truth = true_at(truth.space(), target, scan.time_s)?;
         let mut draw = seed.stream(Purpose::TrackStart, index as u64, 0);
-        let errors: [f64; 5] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
+        let errors: [f64; 7] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
         Some(Start {
             truth_id: target.truth_id.clone(),
             origin: recording
@@ -101,7 +101,8 @@ pub fn starts(
                 .map(|origin| origin as u32),
             report,
             measurement: draw_report(&report, &truth, errors)?,
-            rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
+            rates: [(0, 3), (1, 4), (2, 5)]
+                .map(|(axis, error)| truth.rates[axis] + sigma * errors[error]),
             sigma,
         })
     };
@@ -119,19 +120,28 @@ fn starting_report(
     sensors: &[Sensor],
     named: &NamedFilter,
 ) -> Option<MeasurementModel> {
-    let has_places = named.filter.space().has_places();
+    let space = named.filter.space();
     let mut reports = recording
         .scans
         .iter()
         .map(|scan| sensors[scan.sensor].report_in(scan));
-    reports.find(|report| !has_places || report.locates())
+    reports.find(|report| report.locates_in(space))
 }
 
 /// A fault where tracks begin at truth of another kind than theirs.
 pub fn unfit_truth(lifecycle: &Lifecycle, space: Space, named: &NamedFilter) -> Option<Fault> {
-    let is_alike = space.has_places() == named.filter.space().has_places();
-    if !matches!(lifecycle.initiation, Initiation::Truth { .. }) || is_alike {
+    let tracked = named.filter.space();
+    let is_alike = space.has_places() == tracked.has_places();
+    let is_low = space == Space::Plane && tracked == Space::Volume;
+    if !matches!(lifecycle.initiation, Initiation::Truth { .. }) || (is_alike && !is_low) {
         return None;
+    }
+    if is_low {
+        let detail = "the truth has no heights (z_m), and tracks of a volume cannot begin at it";
+        return Some(
+            Fault::new("/truth", "unsupported", detail)
+                .allowing("truth with z_m, or space plane of the tracker"),
+        );
     }
     let (found, wanted) = match space {
         Space::Bearing => ("directions (bearing_deg)", "places (x_m, y_m)"),
@@ -154,13 +164,13 @@ fn true_at(space: Space, target: &Target, time_s: f64) -> Option<Truth> {
     Some(Truth {
         space,
         position,
-        rates: rates.unwrap_or_default().xy().into(),
+        rates: rates.unwrap_or_default().into(),
     })
 }
 
 /// What the sensor would report, with draws of the standard normal distribution as its errors. `None` where it reports
 /// something else than truth tells.
-fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
+fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 7]) -> Option<Measurement> {
     match (*report, truth.space) {
         (MeasurementModel::Bearing(sensor), Space::Bearing) => Some(Measurement::Bearing {
             bearing_rad: truth.position.x + sensor.sigma_bearing_rad * errors[0],
@@ -178,15 +188,41 @@ fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 5]) -> Op
         (MeasurementModel::Polar(polar), Space::Plane | Space::Volume) => {
             let offset_m = truth.position.xy() - polar.place_m;
             let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
-            let range_rate =
-                |sigma_mps: f64| towards.dot(&Position::from(truth.rates)) + sigma_mps * errors[2];
+            let range_rate = |sigma_mps: f64| {
+                towards.dot(&Place::from(truth.rates).xy()) + sigma_mps * errors[2]
+            };
             Some(Measurement::RangeBearing {
                 range_m: (offset_m.norm() + polar.sigma_range_m * errors[0]).abs(),
                 bearing_rad: offset_m[0].atan2(offset_m[1]) + polar.sigma_bearing_rad * errors[1],
                 range_rate_mps: polar.range_rate.map(|rate| range_rate(rate.sigma_mps)),
             })
         }
+        (MeasurementModel::Position3 { sigmas_m, .. }, Space::Volume) => {
+            Some(Measurement::Position3 {
+                x_m: truth.position.x + sigmas_m[0] * errors[0],
+                y_m: truth.position.y + sigmas_m[1] * errors[1],
+                z_m: truth.position.z + sigmas_m[2] * errors[6],
+            })
+        }
+        (MeasurementModel::Spherical(spherical), Space::Volume) => {
+            Some(seen_in_space(&spherical, truth, errors))
+        }
         _ => None,
+    }
+}
+
+/// The same of a range with its bearing and elevation.
+fn seen_in_space(spherical: &Spherical, truth: &Truth, errors: [f64; 7]) -> Measurement {
+    let offset_m = spherical.site.turn * (truth.position - spherical.site.place_m);
+    let velocity_mps = spherical.site.turn * Place::from(truth.rates);
+    let towards = offset_m.try_normalize(0.0).unwrap_or_else(Place::zeros);
+    let range_rate = |rate: RangeRate| towards.dot(&velocity_mps) + rate.sigma_mps * errors[2];
+    let elevation_rad = offset_m.z.atan2(offset_m.xy().norm());
+    Measurement::RangeBearingElevation {
+        range_m: (offset_m.norm() + spherical.sigma_range_m * errors[0]).abs(),
+        bearing_rad: offset_m.x.atan2(offset_m.y) + spherical.sigma_bearing_rad * errors[1],
+        elevation_rad: elevation_rad + spherical.sigma_elevation_rad.unwrap_or(0.0) * errors[6],
+        range_rate_mps: spherical.range_rate.map(range_rate),
     }
 }
 
@@ -242,6 +278,11 @@ impl WithFilter for Begin<'_> {
     type Output = Option<Vec<f64>>;
 
     fn in_plane<F: Filter<4>>(self, filter: F) -> Option<Vec<f64>> {
+        let Begin { start, report } = self;
+        start.packed(locate(&filter, report, &start.measurement, start.sigma))
+    }
+
+    fn in_volume<F: Filter<6>>(self, filter: F) -> Option<Vec<f64>> {
         let Begin { start, report } = self;
         start.packed(locate(&filter, report, &start.measurement, start.sigma))
     }

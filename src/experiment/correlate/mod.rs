@@ -30,6 +30,9 @@ use crate::model::track::TrackSet;
 use nodes::Nodes;
 use spec::Spec;
 
+const IN_THE_PLANE: &str =
+    "tracks of a volume (z_m) are put together in the plane, without heights";
+
 #[derive(Clone)]
 struct CorrelateJob {
     spec: Spec,
@@ -104,9 +107,7 @@ impl CorrelateJob {
             None => {
                 let sets = std::mem::take(&mut data.sets);
                 if sets.iter().any(|set| set.space == Space::Volume) {
-                    let warning =
-                        "tracks of a volume (z_m) are put together in the plane, without heights";
-                    data.warn([warning.to_owned()]);
+                    data.warn([IN_THE_PLANE.to_owned()]);
                 }
                 let sets = sets.into_iter().map(TrackSet::into_plane);
                 Ok(nodes::name_sets(sets.collect()))
@@ -147,7 +148,10 @@ impl CorrelateJob {
             // With what was estimated.
             *sensor = data.sensors[0].clone();
             origins.extend(nodes::by_detections(&tracked.tracks, data.recording()?));
-            let tracks = tracked.tracks;
+            if tracked.tracks.space == Space::Volume {
+                data.warn([IN_THE_PLANE.to_owned()]);
+            }
+            let tracks = tracked.tracks.into_plane();
             nodes.nodes.push(Node { sensor_id, tracks });
         }
         nodes.origins = all.origins_known.then_some(origins);

@@ -114,7 +114,9 @@ impl AttributeSet {
         let mut described = Vec::with_capacity(instant.reports.len());
         for (&detection, report) in instant.detections.iter().zip(&instant.reports) {
             let sensor = &sensors[report.sensor as usize].report;
-            let measurement = detections.get(detection).map(|found| found.measurement);
+            let measurement = detections
+                .get(detection)
+                .map(|found| found.measurement.flat());
             if let (
                 MeasurementModel::Converted(polar),
                 Some(Measurement::RangeBearing {

@@ -50,7 +50,8 @@ fn report_of(
     settings: &SensorSettings,
     reports: &[&Measurement],
 ) -> Result<MeasurementModel, Vec<Fault>> {
-    let is_polar = |report: &&Measurement| matches!(report, Measurement::RangeBearing { .. });
+    let is_polar =
+        |report: &&Measurement| matches!(report.flat(), Measurement::RangeBearing { .. });
     if !reports.is_empty() && reports.iter().all(is_polar) {
         return polar_of(settings);
     }

@@ -1,5 +1,5 @@
-//! Where a sensor's detections lie: an area of the plane, or, where bearings alone are used, an arc. Densities of clutter
-//! are stated over it, per m² or per degree.
+//! Where a sensor's detections lie: an area of the plane, the space above it, or, where directions alone are used, an arc.
+//! Densities of clutter are stated over it, per m², per m³ or per degree.
 
 use crate::model::scan::{Detection, Measurement, Recording};
 use crate::model::sensing::MeasurementModel;
@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
     pub space: Space,
-    /// The rectangle (m²) or arc (degrees) that holds every detection; 0 when there are none.
+    /// The rectangle (m²), box (m³) or arc (degrees) that holds every detection; 0 when there are none.
     pub seen: f64,
     /// The field of view, or where that is not known what was seen.
     pub watched: f64,
@@ -28,7 +28,8 @@ impl Extent {
         let space = space_of(report);
         let seen = match space {
             Space::Bearing => arc_deg(recording, sensor),
-            Space::Plane | Space::Volume => area_m2(recording, sensor, settings),
+            Space::Plane => area_m2(recording, sensor, settings),
+            Space::Volume => area_m2(recording, sensor, settings) * heights_m(recording, sensor),
         };
         let view = settings.field_of_view.unwrap_or_default();
         let limits = view.limits();
@@ -37,7 +38,12 @@ impl Extent {
             Space::Plane | Space::Volume => {
                 // Of the whole turn exactly π r².
                 let turn = limits.arc_rad().1 / TAU;
-                turn * (PI * range_m * range_m - PI * limits.range_from_m().powi(2))
+                let area_m2 = turn * (PI * range_m * range_m - PI * limits.range_from_m().powi(2));
+                if space == Space::Volume {
+                    area_m2 * heights_m(recording, sensor)
+                } else {
+                    area_m2
+                }
             }
         };
         let is_arc = space == Space::Bearing && settings.field_of_view.is_some();
@@ -54,7 +60,8 @@ impl Extent {
     pub fn unit(&self) -> &'static str {
         match self.space {
             Space::Bearing => "degree",
-            Space::Plane | Space::Volume => "m²",
+            Space::Plane => "m²",
+            Space::Volume => "m³",
         }
     }
 
@@ -62,7 +69,8 @@ impl Extent {
     pub fn density_of(&self, settings: &SensorSettings) -> Option<f64> {
         match self.space {
             Space::Bearing => settings.clutter_per_deg,
-            Space::Plane | Space::Volume => settings.clutter_per_m2,
+            Space::Plane => settings.clutter_per_m2,
+            Space::Volume => settings.clutter_per_m3,
         }
     }
 
@@ -75,12 +83,51 @@ impl Extent {
     }
 }
 
-/// The space in which reports are used.
+/// The space over which the clutter of these reports is stated.
 pub fn space_of(report: &MeasurementModel) -> Space {
     match report {
-        MeasurementModel::Bearing { .. } => Space::Bearing,
+        MeasurementModel::Bearing { .. } | MeasurementModel::Sight(_) => Space::Bearing,
+        MeasurementModel::Position3 {
+            clutter_span: None, ..
+        } => Space::Volume,
+        MeasurementModel::Spherical(spherical)
+        | MeasurementModel::ConvertedSpherical(spherical)
+            if spherical.sigma_elevation_rad.is_some() && spherical.clutter_span.is_none() =>
+        {
+            Space::Volume
+        }
         _ => Space::Plane,
     }
+}
+
+/// The interval of heights that a sensor's detections fill, from the sensor or, of positions, from the origin; at least 1 m, so
+/// that a density over it exists.
+pub fn heights_m(recording: &Recording, sensor: usize) -> f64 {
+    let height_m = |detection: &Detection| match detection.measurement {
+        Measurement::Position3 { z_m, .. } => Some(z_m),
+        Measurement::RangeBearingElevation {
+            range_m,
+            elevation_rad,
+            ..
+        } => Some(range_m * elevation_rad.sin()),
+        _ => None,
+    };
+    length(detections_of(recording, sensor).filter_map(height_m)).max(1.0)
+}
+
+/// The interval of elevations (rad) that they fill; at least a thousandth.
+pub fn elevations_rad(recording: &Recording, sensor: usize) -> f64 {
+    let detections = detections_of(recording, sensor);
+    length(detections.filter_map(|one| one.measurement.elevation_rad())).max(1e-3)
+}
+
+/// From the least of some values to the greatest.
+fn length(values: impl Iterator<Item = f64>) -> f64 {
+    let ends = values.fold(None, |ends: Option<(f64, f64)>, value| {
+        let (low, high) = ends.unwrap_or((value, value));
+        Some((low.min(value), high.max(value)))
+    });
+    ends.map_or(0.0, |(low, high)| high - low)
 }
 
 /// The detections of one sensor.
@@ -126,11 +173,11 @@ pub fn corners(
 
 /// The whole turn without the widest gap between neighbouring bearings.
 fn arc_deg(recording: &Recording, sensor: usize) -> f64 {
-    let bearing = |detection: &Detection| match detection.measurement {
+    let bearing = |detection: &Detection| match detection.measurement.flat() {
         Measurement::Bearing { bearing_rad } | Measurement::RangeBearing { bearing_rad, .. } => {
             Some(bearing_rad.rem_euclid(TAU))
         }
-        Measurement::Position { .. } => None,
+        _ => None,
     };
     let mut bearings: Vec<f64> = detections_of(recording, sensor)
         .filter_map(bearing)

@@ -1,10 +1,10 @@
 //! The data of a job in one plane: what was measured from another origin is measured from the first one's.
 
 use super::JobData;
-use crate::geodesy::{Stereographic, turned};
+use crate::geodesy::{Geodetic, Stereographic, turned};
 use crate::model::fault::Fault;
-use crate::model::scan::{Measurement, Recording};
-use crate::model::space::{Frame, Place};
+use crate::model::scan::Recording;
+use crate::model::space::{Frame, Place, Space};
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 
@@ -43,7 +43,7 @@ fn frames_of(data: &JobData) -> Vec<(&'static str, Option<Frame>)> {
         recording.frame.is_some()
             || recording
                 .detections()
-                .any(|one| !matches!(one.measurement, Measurement::Bearing { .. }))
+                .any(|one| !one.measurement.is_direction())
     };
     frames.extend(
         data.recording
@@ -62,23 +62,35 @@ fn frames_of(data: &JobData) -> Vec<(&'static str, Option<Frame>)> {
     frames
 }
 
-/// From one plane to another.
+/// From one plane to another, or in a volume from the axes of one origin to those of another.
 struct Move {
     from: Stereographic,
     to: Stereographic,
+    space: Space,
+    origins: [Geodetic; 2],
 }
 
 impl Move {
     /// `None` where the two are the same.
-    fn between(from: Option<Frame>, to: Frame) -> Option<Move> {
+    fn between(from: Option<Frame>, to: Frame, space: Space) -> Option<Move> {
         let from = from.filter(|from| *from != to)?;
         Some(Move {
             from: Stereographic::from(from),
             to: Stereographic::from(to),
+            space,
+            origins: [Geodetic::from(&from), Geodetic::from(&to)],
         })
     }
 
     fn apply(&self, position: &mut Place, velocity: Option<&mut Place>) {
+        if self.space == Space::Volume {
+            let [from, to] = &self.origins;
+            *position = to.enu_of(&from.at_enu(position));
+            if let Some(velocity) = velocity {
+                *velocity = from.turn_to(to) * *velocity;
+            }
+            return;
+        }
         let (lat_deg, lon_deg) = self.from.unproject(&position.xy());
         let moved_m = self.to.project(lat_deg, lon_deg);
         (position.x, position.y) = (moved_m.x, moved_m.y);
@@ -91,7 +103,7 @@ impl Move {
 }
 
 fn move_truth(truth: &mut TruthSet, frame: Frame) -> Result<(), Vec<Fault>> {
-    let Some(way) = Move::between(truth.frame, frame) else {
+    let Some(way) = Move::between(truth.frame, frame, truth.space()) else {
         return Ok(());
     };
     let mut targets = truth.targets().to_vec();
@@ -107,7 +119,7 @@ fn move_truth(truth: &mut TruthSet, frame: Frame) -> Result<(), Vec<Fault>> {
 
 /// Covariances stay as they are: between neighbouring origins the axes turn by less than they are known.
 fn move_tracks(tracks: &mut TrackSet, frame: Frame) {
-    let Some(way) = Move::between(tracks.frame, frame) else {
+    let Some(way) = Move::between(tracks.frame, frame, tracks.space) else {
         return;
     };
     for point in tracks.tracks.iter_mut().flat_map(|track| &mut track.points) {

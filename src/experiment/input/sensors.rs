@@ -1,15 +1,20 @@
 //! The sensors of a recording, completed: what the request says, else what came with the data, else what can soundly
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
+mod in_space;
 mod place;
+mod range_rates;
 mod sight;
+
+pub use in_space::is_in_volume;
+use range_rates::{range_rate_span_mps, reported_rates, uses_range_rates};
 
 use super::extent::{Extent, detections_of, place_of, space_of};
 use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
 use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
-use crate::model::scan::{Detection, Measurement, Recording};
+use crate::model::scan::{Measurement, Recording};
 use crate::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::sight::clutter::LEAST_CLUTTER;
@@ -83,7 +88,8 @@ pub fn resolve(
     if let Some(fault) = nothing_locates(recording, known, filter) {
         return Err(vec![fault]);
     }
-    if !filter.filter.uses_range_rates() && reported_rates(&mut recording.detections()) > 0 {
+    let rates = reported_rates(&mut recording.detections(), false);
+    if rates > 0 && !filter.filter.uses_range_rates() {
         warnings.push(format!(
             "range rates are not used: the filter '{}' does not know them",
             filter.name
@@ -97,8 +103,12 @@ pub fn resolve(
         let uses_rates =
             kind == Kind::Polar && uses_range_rates(recording, index, filter, warnings);
         if kind == Kind::Bearing
-            && detections_of(recording, index)
-                .any(|detection| matches!(detection.measurement, Measurement::RangeBearing { .. }))
+            && detections_of(recording, index).any(|detection| {
+                matches!(
+                    detection.measurement.flat(),
+                    Measurement::RangeBearing { .. }
+                )
+            })
         {
             warnings.push(format!(
                 "sensor '{}': its ranges are not used",
@@ -110,9 +120,13 @@ pub fn resolve(
             settings,
             faults: &mut faults,
         };
-        let report = reader.report(kind, rates_mps, warnings);
-        let locates = !filter.filter.space().has_places() || report.locates();
-        faults.extend(unable_start(settings, locates));
+        let report = if filter.filter.space() == Space::Volume {
+            reader.report_in_space((recording, index), kind, rates_mps, warnings)
+        } else {
+            reader.report(kind, rates_mps, warnings)
+        };
+        let locates = report.locates_in(filter.filter.space());
+        faults.extend(unable_start(settings, locates, report.is_bearing()));
         match complete(recording, index, settings, report, warnings) {
             Ok(sensor) => sensors.push(Sensor {
                 may_start: settings.may_start.unwrap_or(locates),
@@ -154,13 +168,21 @@ fn misplaced_density(
     settings: &SensorSettings,
     space: Space,
 ) -> Option<(&'static str, &'static str)> {
-    match (settings.clutter_per_m2, settings.clutter_per_deg, space) {
-        (Some(_), None, Space::Bearing) => Some(("clutter_per_m2", "clutter_per_deg")),
-        (None, Some(_), Space::Plane | Space::Volume) => {
-            Some(("clutter_per_deg", "clutter_per_m2"))
-        }
-        _ => None,
+    let densities = [
+        ("clutter_per_m2", settings.clutter_per_m2),
+        ("clutter_per_m3", settings.clutter_per_m3),
+        ("clutter_per_deg", settings.clutter_per_deg),
+    ];
+    let wanted = match space {
+        Space::Bearing => "clutter_per_deg",
+        Space::Plane => "clutter_per_m2",
+        Space::Volume => "clutter_per_m3",
+    };
+    let given = || densities.iter().filter(|(_, density)| density.is_some());
+    if given().any(|(name, _)| *name == wanted) {
+        return None;
     }
+    given().next().map(|(name, _)| (*name, wanted))
 }
 
 /// Bearings from two places are not one track.
@@ -180,14 +202,16 @@ fn two_places(known: &[SensorSettings]) -> Option<Fault> {
 }
 
 /// A fault where tracks should start at reports that do not say where their targets are.
-fn unable_start(settings: &SensorSettings, locates: bool) -> Option<Fault> {
+fn unable_start(settings: &SensorSettings, locates: bool, is_direction: bool) -> Option<Fault> {
     if locates || settings.may_start != Some(true) {
         return None;
     }
-    let detail = format!(
-        "sensor '{}' reports bearings, of which one alone does not say where a target is",
-        settings.sensor_id
-    );
+    let what = if is_direction {
+        "bearings, of which one alone does not say where a target is"
+    } else {
+        "no heights, without which no track of a volume starts"
+    };
+    let detail = format!("sensor '{}' reports {what}", settings.sensor_id);
     Some(Fault::new("/sensors", "unsupported", detail).allowing("may_start false"))
 }
 
@@ -208,7 +232,7 @@ fn usable_kind(
 ) -> Option<Kind> {
     let settings = &known[index];
     let has = |wanted: fn(&Measurement) -> bool| {
-        detections_of(recording, index).any(|detection| wanted(&detection.measurement))
+        detections_of(recording, index).any(|detection| wanted(&detection.measurement.flat()))
     };
     let positions = has(|measurement| matches!(measurement, Measurement::Position { .. }));
     let ranges = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
@@ -317,22 +341,27 @@ impl NoiseReader<'_> {
                 sigma_x_m: self.required("sigma_x_m", settings.sigma_x_m, "m"),
                 sigma_y_m: self.required("sigma_y_m", settings.sigma_y_m, "m"),
             },
-            Kind::Polar => MeasurementModel::Polar(Polar {
-                place_m: place(settings, warnings),
-                sigma_range_m: self.required("sigma_range_m", settings.sigma_range_m, "m"),
-                sigma_bearing_rad: self.bearing_sigma(),
-                range_rate: span_mps.map(|span_mps| RangeRate {
-                    sigma_mps: self.required(
-                        "sigma_range_rate_mps",
-                        settings.sigma_range_rate_mps,
-                        "m/s",
-                    ),
-                    span_mps,
-                }),
-            }),
+            Kind::Polar => MeasurementModel::Polar(self.polar(place(settings, warnings), span_mps)),
             Kind::Bearing => MeasurementModel::Bearing(Bearing {
                 place_m: place_of(settings),
                 sigma_bearing_rad: self.bearing_sigma(),
+            }),
+        }
+    }
+
+    fn polar(&mut self, place_m: Position, span_mps: Option<f64>) -> Polar {
+        let settings = self.settings;
+        Polar {
+            place_m,
+            sigma_range_m: self.required("sigma_range_m", settings.sigma_range_m, "m"),
+            sigma_bearing_rad: self.bearing_sigma(),
+            range_rate: span_mps.map(|span_mps| RangeRate {
+                sigma_mps: self.required(
+                    "sigma_range_rate_mps",
+                    settings.sigma_range_rate_mps,
+                    "m/s",
+                ),
+                span_mps,
             }),
         }
     }
@@ -372,7 +401,7 @@ fn any_locates(recording: &Recording, known: &[SensorSettings]) -> bool {
         .iter()
         .enumerate()
         .filter(|(index, _)| detections_of(recording, *index).next().is_none());
-    reports.any(|detection| !matches!(detection.measurement, Measurement::Bearing { .. }))
+    reports.any(|detection| !detection.measurement.is_direction())
         || silent.any(|(_, settings)| tells_places(settings))
 }
 
@@ -396,54 +425,6 @@ fn unknown_place(settings: &SensorSettings) -> Option<Fault> {
         settings.sensor_id
     );
     Some(Fault::new("/sensors", "missing", detail).allowing("a place (m)"))
-}
-
-fn reported_rates(detections: &mut dyn Iterator<Item = &Detection>) -> usize {
-    let has_rate = |detection: &&Detection| {
-        matches!(
-            detection.measurement,
-            Measurement::RangeBearing {
-                range_rate_mps: Some(_),
-                ..
-            }
-        )
-    };
-    detections.filter(has_rate).count()
-}
-
-/// Range rates of a sensor are used by a filter that can, when every detection of the sensor has one.
-fn uses_range_rates(
-    recording: &Recording,
-    sensor: usize,
-    named: &NamedFilter,
-    warnings: &mut Vec<String>,
-) -> bool {
-    let with_rate = reported_rates(&mut detections_of(recording, sensor));
-    let all = detections_of(recording, sensor).count();
-    if with_rate == 0 || !named.filter.uses_range_rates() {
-        return false;
-    }
-    if with_rate < all {
-        let whose = match recording.sensors.as_slice() {
-            [_] => String::new(),
-            sensors => format!("sensor '{}': ", sensors[sensor].sensor_id),
-        };
-        warnings.push(format!(
-            "{whose}range rates are not used: {with_rate} of {all} detections have one"
-        ));
-    }
-    with_rate == all
-}
-
-/// The interval over which a sensor's range rates reach; at least 1 m/s, so that a density over it exists.
-fn range_rate_span_mps(recording: &Recording, sensor: usize) -> f64 {
-    let rates = || {
-        detections_of(recording, sensor).filter_map(|detection| match detection.measurement {
-            Measurement::RangeBearing { range_rate_mps, .. } => range_rate_mps,
-            _ => None,
-        })
-    };
-    (rates().fold(f64::NEG_INFINITY, f64::max) - rates().fold(f64::INFINITY, f64::min)).max(1.0)
 }
 
 fn complete(

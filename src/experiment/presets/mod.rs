@@ -7,6 +7,7 @@ mod huo2008_claims;
 mod liang2009;
 mod maneuvers;
 mod recorded;
+mod two_radars;
 mod wang_bat;
 mod wang_bat_claims;
 mod wang_bat_record;
@@ -56,7 +57,7 @@ pub const PAPERS: &[&str] = &[
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 11] = [
+const FAMILIES: [(&str, MakePresets); 12] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("cai-fuzzy-", cai_fuzzy_claims::presets),
@@ -68,6 +69,7 @@ const FAMILIES: [(&str, MakePresets); 11] = [
     ("solent-", recorded::presets),
     ("atc-maneuver", maneuvers::atc),
     ("maneuver-10hz", maneuvers::ten_hertz),
+    ("two-radars", two_radars::presets),
 ];
 
 /// Every preset.

@@ -107,6 +107,16 @@ pub static SENSOR_SETTINGS: Object = Object {
         ),
         optional("lon_deg", "Longitude.", number(-180.0, 180.0, "deg")),
         optional("height_m", "Height above the ellipsoid.", PLACE),
+        optional(
+            "z_m",
+            "Position, up, on the axes of the data; where they have an origin on the Earth, height_m with lat_deg and lon_deg say it.",
+            PLACE,
+        ),
+        optional(
+            "assumed_altitude_m",
+            "How high its targets are: says that its ranges are slant ranges of a sensor without elevations, which tracking in the plane turns into ranges along the ground. A detection's own height_m goes before it. Above the ellipsoid, or on data without an origin from the zero of z_m.",
+            PLACE,
+        ),
         optional("max_range_m", "Radius of the field of view.", RANGE),
         optional(
             "p_d",
@@ -117,6 +127,11 @@ pub static SENSOR_SETTINGS: Object = Object {
             "clutter_per_m2",
             "Expected false detections per square metre and scan, also of a sensor that reports ranges and bearings.",
             above(0.0, 1e6, "1/m²"),
+        ),
+        optional(
+            "clutter_per_m3",
+            "Expected false detections per cubic metre and scan, of a sensor that tells heights, in place of clutter_per_m2. That, of such a sensor, is per square metre of ground, spread over the heights that its detections fill.",
+            above(0.0, 1e6, "1/m³"),
         ),
         optional(
             "clutter_per_deg",
@@ -135,6 +150,16 @@ pub static SENSOR_SETTINGS: Object = Object {
             "sigma_range_rate_mps",
             "Standard deviation of range rates.",
             SIGMA_RATE,
+        ),
+        optional(
+            "sigma_z_m",
+            "Standard deviation of z; the larger of sigma_x_m and sigma_y_m when absent.",
+            SIGMA,
+        ),
+        optional(
+            "sigma_elevation_deg",
+            "Standard deviation of elevations; sigma_bearing_deg when absent.",
+            SIGMA_BEARING,
         ),
         optional(
             "may_start",

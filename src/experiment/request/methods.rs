@@ -7,6 +7,7 @@ use crate::correlation::{BuildCorrelator, CORRELATORS};
 use crate::evaluation::metrics::{BuildMetric, METRICS};
 use crate::filtering::{AUTO, AnyFilter, FILTER_KIND, FILTERS};
 use crate::math::rng::Seed;
+use crate::model::space::Space;
 use crate::registry::{self, Method};
 use crate::tracking::{BuildTracker, Initiation, Lifecycle, TRACKERS};
 use serde::de::Error;
@@ -130,6 +131,17 @@ pub struct NamedFilter {
     pub name: &'static str,
 }
 
+impl NamedFilter {
+    /// The same for targets of this space.
+    #[must_use]
+    pub fn within(self, space: Space) -> Self {
+        NamedFilter {
+            filter: self.filter.within(space),
+            ..self
+        }
+    }
+}
+
 impl<'de> Deserialize<'de> for NamedFilter {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let parameters = Value::deserialize(deserializer)?;
@@ -179,6 +191,8 @@ pub struct TrackerSpec {
     pub lifecycle: Lifecycle,
     /// Whether the request leaves the speed open that new tracks allow for.
     pub leaves_speed_open: bool,
+    /// Whether recordings of a volume are tracked in the plane.
+    pub stays_flat: bool,
 }
 
 impl<'de> Deserialize<'de> for TrackerSpec {
@@ -195,6 +209,7 @@ impl<'de> Deserialize<'de> for TrackerSpec {
             build: method.build,
             lifecycle,
             leaves_speed_open,
+            stays_flat: value["space"] == "plane",
         })
     }
 }

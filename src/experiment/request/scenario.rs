@@ -16,11 +16,21 @@ static SCENARIO_SENSOR: Object = Object {
         default("x_m", "Position, east.", PLACE, "0.0"),
         default("y_m", "Position, north.", PLACE, "0.0"),
         optional(
+            "z_m",
+            "Position, up, where targets are in space; 0 when absent.",
+            PLACE,
+        ),
+        optional(
             "lat_deg",
-            "Latitude, in place of x_m and y_m where recorded targets have an origin on the Earth; with lon_deg.",
+            "Latitude, in place of x_m and y_m where the scene, or recorded targets, have an origin on the Earth; with lon_deg.",
             number(-90.0, 90.0, "deg"),
         ),
         optional("lon_deg", "Longitude.", number(-180.0, 180.0, "deg")),
+        optional(
+            "height_m",
+            "Height above the ellipsoid, with lat_deg and lon_deg where targets are in space: the sensor then measures east, north and up of its own place on a curved Earth.",
+            PLACE,
+        ),
         optional(
             "max_range_m",
             "Radius of the field of view; required unless the targets are of the kind bearings, which are always in view.",
@@ -56,6 +66,21 @@ static SCENARIO_SENSOR: Object = Object {
             "sigma_range_rate_mps",
             "Standard deviation of range rates, of a sensor that reports them with ranges and bearings.",
             SIGMA_RATE,
+        ),
+        optional(
+            "sigma_z_m",
+            "Standard deviation of z, of a sensor that reports positions in space; with sigma_x_m and sigma_y_m.",
+            SIGMA,
+        ),
+        optional(
+            "sigma_elevation_deg",
+            "Standard deviation of elevations, of a sensor that reports them with bearings in space; its ranges are slant ranges.",
+            SIGMA_BEARING,
+        ),
+        optional(
+            "clutter_height_m",
+            "False detections of a sensor that tells heights are uniform over its field of view and up to so far above it; 10 000 m when absent.",
+            RANGE,
         ),
         optional(
             "clutter_per_scan",
@@ -100,6 +125,12 @@ static LISTED_TARGET: Object = Object {
         required("y_m", "Start, north.", PLACE),
         default("vx_mps", "Velocity, east.", VELOCITY, "0.0"),
         default("vy_mps", "Velocity, north.", VELOCITY, "0.0"),
+        optional(
+            "z_m",
+            "Start, up. One target with z_m or vz_mps puts the scene in space; those that are absent are 0 there.",
+            PLACE,
+        ),
+        optional("vz_mps", "Velocity, up.", VELOCITY),
     ],
 };
 
@@ -385,6 +416,16 @@ static COVERAGE: Union = Union {
     variants: || vec![variant("duplicates", &DUPLICATES)],
 };
 
+static ORIGIN: Object = Object {
+    name: "ScenarioOrigin",
+    summary: "A place on the Earth (WGS 84).",
+    fields: &[
+        required("lat_deg", "Latitude.", number(-90.0, 90.0, "deg")),
+        required("lon_deg", "Longitude.", number(-180.0, 180.0, "deg")),
+        default("height_m", "Height above the ellipsoid.", PLACE, "0.0"),
+    ],
+};
+
 pub static SCENARIO: Object = Object {
     name: "Scenario",
     summary: "A scene to simulate: every sensor makes one scan each period, the first at time 0.",
@@ -409,6 +450,11 @@ pub static SCENARIO: Object = Object {
             "coverage",
             "Which sensors see which targets; every sensor sees all in its field of view when absent.",
             Kind::Union(&COVERAGE),
+        ),
+        optional(
+            "origin",
+            "Where x, y and z are 0 on the Earth (WGS 84), from which latitudes of sensors are measured. Targets in space move on straight lines of the axes east, north and up there.",
+            Kind::Object(&ORIGIN),
         ),
         optional(
             "record",

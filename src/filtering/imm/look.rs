@@ -6,14 +6,13 @@
     reason = "what belongs to a model lies in several arrays"
 )]
 
-use super::mode::Extra;
+use super::mode::{Extra, ModeMotion};
 use super::{Belief, LEAST_PROBABILITY};
 use crate::filtering::expected::{Expected, Gain, Way};
 use crate::filtering::{Weighted, mixture};
 use crate::math::gaussian::Gaussian;
 use crate::model::angle::{difference, wrap};
 use crate::model::sensing::Sensing;
-use crate::model::state::GaussianState;
 use nalgebra::{SMatrix, SVector};
 
 /// A model whose probability is at most this has no gate.
@@ -55,13 +54,25 @@ pub type Loss<const R: usize, const N: usize> = [SMatrix<f64, N, N>; R];
 
 /// What all models expect of a report, and the moments of that. `None` when an S is not positive definite.
 #[inline(always)]
-pub(super) fn expect<S: Sensing<4, D>, const R: usize, const N: usize, const D: usize>(
+pub(super) fn expect<M, S, const R: usize, const N: usize, const K: usize, const D: usize>(
     belief: &Belief<R, N>,
     extras: &[Extra; R],
     way: &Way,
     sensing: &S,
-) -> Option<(Expected<D>, ImmGain<R, N, D>)> {
-    let first = expect_mode(&belief.states[0], extras[0], way, sensing)?;
+) -> Option<(Expected<D>, ImmGain<R, N, D>)>
+where
+    M: ModeMotion<N, K>,
+    S: Sensing<K, D>,
+{
+    let look_by = |mode: usize| -> Option<ModeLook<N, D>> {
+        let (expected, gain) = M::expect(extras[mode], &belief.states[mode], way, sensing)?;
+        Some(ModeLook {
+            expected,
+            gain,
+            offset: SVector::zeros(),
+        })
+    };
+    let first = look_by(0)?;
     let mut gain = ImmGain {
         modes: [first; R],
         probabilities: belief.probabilities,
@@ -71,7 +82,7 @@ pub(super) fn expect<S: Sensing<4, D>, const R: usize, const N: usize, const D: 
     for mode in 0..R {
         let probability = belief.probabilities[mode];
         if mode > 0 && probability > 0.0 {
-            gain.modes[mode] = expect_mode(&belief.states[mode], extras[mode], way, sensing)?;
+            gain.modes[mode] = look_by(mode)?;
         }
         if probability > LEAST_GATED {
             gain.regions[gain.region_count] = gain.modes[mode].expected;
@@ -80,34 +91,6 @@ pub(super) fn expect<S: Sensing<4, D>, const R: usize, const N: usize, const D: 
     }
     let expected = gain.centre(S::ANGLE)?;
     Some((expected, gain))
-}
-
-#[inline(always)]
-fn expect_mode<S: Sensing<4, D>, const N: usize, const D: usize>(
-    state: &GaussianState<N>,
-    extra: Extra,
-    way: &Way,
-    sensing: &S,
-) -> Option<ModeLook<N, D>> {
-    let (expected, gain) = match extra {
-        Extra::TurnRate if N > 4 => {
-            let (expected, gain) = way.expect::<S, 5, 4, D>(&state.leading(), sensing)?;
-            (expected, gain.widened())
-        }
-        Extra::Acceleration if N > 5 => {
-            let (expected, gain) = way.expect::<S, 6, 4, D>(&state.leading(), sensing)?;
-            (expected, gain.widened())
-        }
-        _ => {
-            let (expected, gain) = way.expect::<S, 4, 4, D>(&state.leading(), sensing)?;
-            (expected, gain.widened())
-        }
-    };
-    Some(ModeLook {
-        expected,
-        gain,
-        offset: SVector::zeros(),
-    })
 }
 
 impl<const R: usize, const N: usize, const D: usize> ImmGain<R, N, D> {

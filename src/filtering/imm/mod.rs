@@ -30,9 +30,10 @@ pub mod settings;
 mod smooth;
 
 pub use look::{Change, Loss};
-pub use mode::{Extra, ModeStep};
+pub use mode::{Extra, ModeMotion, ModeStep, expect_leading, on_leading};
 pub use settings::{METHOD, Models};
 
+use super::motions::AnyMotion;
 use super::{Corrector, Filter, Reports, Way, Weighted, WithCorrector};
 use crate::model::scan::Measurement;
 use crate::model::sensing::{Dispatch, MeasurementModel, Sensing, WithSensing};
@@ -40,6 +41,7 @@ use crate::model::state::{GaussianState, packed_len};
 use look::ImmGain;
 use mode::lent;
 use nalgebra::{SMatrix, SVector};
+use std::marker::PhantomData;
 
 /// Probabilities of models stay at or above it, so that none is lost for good.
 const LEAST_PROBABILITY: f64 = 1e-6;
@@ -53,14 +55,18 @@ pub enum Mixing {
     Zero,
 }
 
-/// Of up to `R` models of up to `N` variables.
+/// Of up to `R` models of up to `N` variables, of which the first `K` are the kinematics.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Imm<const R: usize, const N: usize> {
+pub struct Interacting<M, const R: usize, const N: usize, const K: usize> {
     models: Models,
+    motions: [M; R],
     generator: SMatrix<f64, R, R>,
     way: Way,
     reports: Reports,
 }
+
+/// Of targets in the plane.
+pub type Imm<const R: usize, const N: usize> = Interacting<AnyMotion, R, N, 4>;
 
 /// What is believed of a target; models beyond those that there are have the probability 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,16 +78,16 @@ pub struct Belief<const R: usize, const N: usize> {
 
 /// What a time does to every belief.
 #[derive(Debug, Clone, Copy)]
-pub struct Step<const R: usize> {
+pub struct Step<S, const R: usize> {
     transition: SMatrix<f64, R, R>,
-    modes: [ModeStep; R],
+    modes: [S; R],
     count: usize,
     mixing: Mixing,
 }
 
-impl<const R: usize> Step<R> {
+impl<S, const R: usize> Step<S, R> {
     /// Π and what each of `R` models does.
-    pub fn new(transition: SMatrix<f64, R, R>, modes: [ModeStep; R], mixing: Mixing) -> Self {
+    pub fn new(transition: SMatrix<f64, R, R>, modes: [S; R], mixing: Mixing) -> Self {
         Step {
             transition,
             modes,
@@ -92,7 +98,10 @@ impl<const R: usize> Step<R> {
 
     /// Step 1 without the predictions.
     #[inline(always)]
-    fn mix<const N: usize>(&self, belief: &mut Belief<R, N>) {
+    fn mix<M, const N: usize, const K: usize>(&self, belief: &mut Belief<R, N>)
+    where
+        M: ModeMotion<N, K, Step = S>,
+    {
         let before = *belief;
         for to in 0..self.count {
             let mut weights = [0.0; R];
@@ -102,10 +111,10 @@ impl<const R: usize> Step<R> {
             let total: f64 = weights.iter().sum();
             belief.probabilities[to] = total;
             weights.iter_mut().for_each(|weight| *weight /= total);
-            let own = (&before.states[to], self.modes[to].extra());
+            let own = (&before.states[to], M::extra_of(&self.modes[to]));
             let borrowed = |from: usize| {
-                let lender = (&before.states[from], self.modes[from].extra());
-                lent(lender, own, self.mixing)
+                let lender = (&before.states[from], M::extra_of(&self.modes[from]));
+                lent::<N, K>(lender, own, self.mixing)
             };
             belief.states[to] = mean_of(&weights, &own.0.mean, borrowed);
         }
@@ -137,11 +146,35 @@ fn mean_of<const R: usize, const N: usize>(
     GaussianState { mean, covariance }
 }
 
+/// Step 4.
+#[inline]
+fn kinematics_of<const R: usize, const N: usize, const K: usize>(
+    belief: &Belief<R, N>,
+) -> GaussianState<K> {
+    let centre = belief.states[0].leading::<K>().mean;
+    mean_of(&belief.probabilities, &centre, |mode| {
+        belief.states[mode].leading::<K>()
+    })
+}
+
 impl<const R: usize, const N: usize> Imm<R, N> {
     /// Of at most `R` models, whose states have at most `N` variables.
     pub fn new(models: Models, way: Way, reports: Reports) -> Self {
-        Imm {
+        Interacting::of_motions(models, |motion| *motion, way, reports)
+    }
+}
+
+impl<M: ModeMotion<N, K>, const R: usize, const N: usize, const K: usize> Interacting<M, R, N, K> {
+    /// Of at most `R` models, whose states have at most `N` variables; `make` makes the motion of each.
+    pub fn of_motions(
+        models: Models,
+        make: impl Fn(&AnyMotion) -> M,
+        way: Way,
+        reports: Reports,
+    ) -> Self {
+        Interacting {
             generator: chain::generator(&models.sojourns_s()),
+            motions: std::array::from_fn(|mode| make(models.motion(mode))),
             models,
             way,
             reports,
@@ -149,31 +182,35 @@ impl<const R: usize, const N: usize> Imm<R, N> {
     }
 }
 
-impl<const R: usize, const N: usize> Filter<4> for Imm<R, N> {
+impl<M: ModeMotion<N, K>, const R: usize, const N: usize, const K: usize> Filter<K>
+    for Interacting<M, R, N, K>
+where
+    MeasurementModel: Dispatch<K>,
+{
     type Belief = Belief<R, N>;
-    type Step = Step<R>;
+    type Step = Step<M::Step, R>;
     type Change = Change<R, N>;
     type Loss = Loss<R, N>;
 
-    fn step(&self, dt_s: f64) -> Step<R> {
+    fn step(&self, dt_s: f64) -> Self::Step {
         Step {
             transition: chain::transition(&self.generator, dt_s),
-            modes: std::array::from_fn(|mode| ModeStep::new(self.models.motion(mode), dt_s)),
+            modes: self.motions.map(|motion| motion.step(dt_s)),
             count: self.models.count(),
             mixing: self.models.mixing,
         }
     }
 
     #[inline]
-    fn predict(step: &Step<R>, belief: &mut Belief<R, N>) {
-        step.mix(belief);
+    fn predict(step: &Self::Step, belief: &mut Belief<R, N>) {
+        step.mix::<M, N, K>(belief);
         let states = belief.states.iter_mut().zip(&step.modes);
         for (state, mode) in states.take(step.count) {
-            mode.predict(state);
+            M::predict(mode, state);
         }
     }
 
-    fn correct<W: WithCorrector<Self, 4>>(
+    fn correct<W: WithCorrector<Self, K>>(
         &self,
         report: &MeasurementModel,
         work: W,
@@ -190,11 +227,11 @@ impl<const R: usize, const N: usize> Filter<4> for Imm<R, N> {
         look::update(belief, loss, detections);
     }
 
-    fn smooth(step: &Step<R>, belief: &Belief<R, N>, next: &Belief<R, N>) -> Belief<R, N> {
-        smooth::smooth(step, belief, next)
+    fn smooth(step: &Self::Step, belief: &Belief<R, N>, next: &Belief<R, N>) -> Belief<R, N> {
+        smooth::smooth::<M, R, N, K>(step, belief, next)
     }
 
-    fn begin(&self, kinematics: &GaussianState<4>) -> Belief<R, N> {
+    fn begin(&self, kinematics: &GaussianState<K>) -> Belief<R, N> {
         let mut belief = Belief {
             probabilities: [0.0; R],
             states: [GaussianState {
@@ -203,11 +240,11 @@ impl<const R: usize, const N: usize> Filter<4> for Imm<R, N> {
             }; R],
         };
         let probabilities = self.models.initial_probabilities();
-        for (mode, model) in self.models.iter().enumerate() {
+        for (mode, motion) in self.motions.iter().enumerate().take(self.models.count()) {
             belief.probabilities[mode] = probabilities[mode];
             let state = &mut belief.states[mode];
-            let (extra, sigma) = (Extra::of(&model.motion), model.motion.initial_sigma());
-            for variable in 4..extra.variables() {
+            let (extra, sigma) = (motion.extra(), motion.initial_sigma());
+            for variable in K..extra.variables(K) {
                 state.covariance[(variable, variable)] = sigma * sigma;
             }
             mode::set_leading(state, kinematics);
@@ -217,14 +254,14 @@ impl<const R: usize, const N: usize> Filter<4> for Imm<R, N> {
 
     /// Step 4.
     #[inline]
-    fn kinematics(belief: &Belief<R, N>) -> GaussianState<4> {
-        let centre = belief.states[0].leading::<4>().mean;
-        mean_of(&belief.probabilities, &centre, |mode| {
-            belief.states[mode].leading::<4>()
-        })
+    fn kinematics(belief: &Belief<R, N>) -> GaussianState<K> {
+        kinematics_of(belief)
     }
 
     fn mode_probabilities(belief: &Belief<R, N>) -> &[f64] {
+        if R == 1 {
+            return &[];
+        }
         let count = belief
             .probabilities
             .iter()
@@ -258,9 +295,10 @@ impl<const R: usize, const N: usize> Filter<4> for Imm<R, N> {
     /// The mean over the models as they are at the start.
     fn rate_variance(&self, dt_s: f64) -> f64 {
         let probabilities = self.models.initial_probabilities();
-        let models = self.models.iter().zip(probabilities);
-        models
-            .map(|(model, probability)| probability * model.motion.rate_variance(dt_s))
+        let motions = self.motions.iter().take(self.models.count());
+        motions
+            .zip(probabilities)
+            .map(|(motion, probability)| probability * motion.rate_variance(dt_s))
             .sum()
     }
 
@@ -270,39 +308,46 @@ impl<const R: usize, const N: usize> Filter<4> for Imm<R, N> {
 }
 
 /// Hands the reports of a sensor on as this filter sees them.
-struct WithImm<'f, W, const R: usize, const N: usize> {
-    imm: &'f Imm<R, N>,
+struct WithImm<'f, W, M, const R: usize, const N: usize, const K: usize> {
+    imm: &'f Interacting<M, R, N, K>,
     work: W,
 }
 
-impl<W, const R: usize, const N: usize> WithSensing<4> for WithImm<'_, W, R, N>
+impl<W, M, const R: usize, const N: usize, const K: usize> WithSensing<K>
+    for WithImm<'_, W, M, R, N, K>
 where
-    W: WithCorrector<Imm<R, N>, 4>,
+    M: ModeMotion<N, K>,
+    W: WithCorrector<Interacting<M, R, N, K>, K>,
+    MeasurementModel: Dispatch<K>,
 {
     type Output = W::Output;
 
-    fn with<S: Sensing<4, D>, const D: usize>(self, sensing: &S) -> W::Output {
+    fn with<S: Sensing<K, D>, const D: usize>(self, sensing: &S) -> W::Output {
         let WithImm { imm, work } = self;
         work.with(&Through {
             way: imm.way,
-            extras: imm.models.extras(),
+            extras: imm.motions.map(|motion| motion.extra()),
             sensing,
+            motion: PhantomData::<M>,
         })
     }
 }
 
 /// A sensing model as the filter goes through it.
-struct Through<'s, S, const R: usize> {
+struct Through<'s, S, M, const R: usize> {
     way: Way,
     /// What each model has beyond the kinematics.
     extras: [Extra; R],
     sensing: &'s S,
+    motion: PhantomData<M>,
 }
 
-impl<S, const R: usize, const N: usize, const D: usize> Corrector<Imm<R, N>, 4, D>
-    for Through<'_, S, R>
+impl<S, M, const R: usize, const N: usize, const K: usize, const D: usize>
+    Corrector<Interacting<M, R, N, K>, K, D> for Through<'_, S, M, R>
 where
-    S: Sensing<4, D>,
+    S: Sensing<K, D>,
+    M: ModeMotion<N, K>,
+    MeasurementModel: Dispatch<K>,
 {
     type Gain = ImmGain<R, N, D>;
     const ANGLE: Option<usize> = S::ANGLE;
@@ -314,7 +359,7 @@ where
 
     #[inline(always)]
     fn expect(&self, belief: &Belief<R, N>) -> Option<(super::Expected<D>, ImmGain<R, N, D>)> {
-        look::expect(belief, &self.extras, &self.way, self.sensing)
+        look::expect::<M, S, R, N, K, D>(belief, &self.extras, &self.way, self.sensing)
     }
 
     #[inline(always)]
@@ -347,7 +392,7 @@ where
         self.sensing.log_clutter_scale(expected)
     }
 
-    fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<4>> {
+    fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<K>> {
         self.sensing.locate(report, rate_sigma)
     }
 }

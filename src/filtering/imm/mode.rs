@@ -1,13 +1,71 @@
 //! One model of several: how a belief of `N` variables is predicted by a model that has fewer, and what models lend each other.
 
 use super::Mixing;
+use crate::filtering::expected::{Expected, Gain, Way};
 use crate::filtering::motions::AnyMotion;
 use crate::model::motion::linear::Linear;
 use crate::model::motion::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::model::motion::unknown_turn::UnknownTurn;
 use crate::model::motion::{Motion, constant_velocity, ornstein_uhlenbeck, slope, unknown_turn};
+use crate::model::sensing::Sensing;
 use crate::model::state::GaussianState;
 use nalgebra::{SMatrix, SVector};
+
+/// A motion that may be one of several, of beliefs of up to `N` variables of which the first `K` are the kinematics.
+pub trait ModeMotion<const N: usize, const K: usize>: Motion<N> {
+    fn extra(&self) -> Extra;
+
+    fn extra_of(step: &Self::Step) -> Extra;
+
+    /// What a state of a model with this extra expects of a report: only its own variables are looked at.
+    fn expect<S: Sensing<K, D>, const D: usize>(
+        extra: Extra,
+        state: &GaussianState<N>,
+        way: &Way,
+        sensing: &S,
+    ) -> Option<(Expected<D>, Gain<N, D>)>;
+}
+
+impl<const N: usize> ModeMotion<N, 4> for AnyMotion {
+    fn extra(&self) -> Extra {
+        Extra::of(self)
+    }
+
+    fn extra_of(step: &ModeStep) -> Extra {
+        step.extra()
+    }
+
+    #[inline(always)]
+    fn expect<S: Sensing<4, D>, const D: usize>(
+        extra: Extra,
+        state: &GaussianState<N>,
+        way: &Way,
+        sensing: &S,
+    ) -> Option<(Expected<D>, Gain<N, D>)> {
+        match extra {
+            Extra::TurnRate if N > 4 => expect_leading::<S, 5, 4, N, D>(state, way, sensing),
+            Extra::Acceleration if N > 5 => expect_leading::<S, 6, 4, N, D>(state, way, sensing),
+            _ => expect_leading::<S, 4, 4, N, D>(state, way, sensing),
+        }
+    }
+}
+
+/// What the first `M` variables of a state expect.
+#[inline(always)]
+pub fn expect_leading<
+    S: Sensing<K, D>,
+    const M: usize,
+    const K: usize,
+    const N: usize,
+    const D: usize,
+>(
+    state: &GaussianState<N>,
+    way: &Way,
+    sensing: &S,
+) -> Option<(Expected<D>, Gain<N, D>)> {
+    let (expected, gain) = way.expect::<S, M, K, D>(&state.leading(), sensing)?;
+    Some((expected, gain.widened()))
+}
 
 /// What a model has beyond position and velocity, in the places after them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,7 +73,7 @@ pub enum Extra {
     Nothing,
     /// ω.
     TurnRate,
-    /// East and north.
+    /// East, north and in space up.
     Acceleration,
 }
 
@@ -30,13 +88,13 @@ impl Extra {
         }
     }
 
-    /// All variables of a state.
+    /// All variables of a state with so many kinematics.
     #[inline(always)]
-    pub fn variables(self) -> usize {
+    pub fn variables(self, kinematics: usize) -> usize {
         match self {
-            Extra::Nothing => 4,
-            Extra::TurnRate => 5,
-            Extra::Acceleration => 6,
+            Extra::Nothing => kinematics,
+            Extra::TurnRate => kinematics + 1,
+            Extra::Acceleration => kinematics + kinematics / 2,
         }
     }
 }
@@ -110,7 +168,7 @@ impl ModeStep {
             return transition;
         }
         transition = slope(|state| self.predict(state));
-        for variable in self.extra().variables()..N {
+        for variable in self.extra().variables(4)..N {
             transition[(variable, variable)] = 0.0;
         }
         transition
@@ -118,7 +176,7 @@ impl ModeStep {
 }
 
 #[inline(always)]
-fn on_leading<const M: usize, const N: usize>(
+pub fn on_leading<const M: usize, const N: usize>(
     state: &mut GaussianState<N>,
     work: impl FnOnce(&mut GaussianState<M>),
 ) {
@@ -142,12 +200,12 @@ pub fn set_leading<const M: usize, const N: usize>(
 /// The state of one model as another one takes it: without what that does not have. What it has and the lender has not, it
 /// takes from itself, or it is 0.
 #[inline(always)]
-pub fn lent<const N: usize>(
+pub fn lent<const N: usize, const K: usize>(
     (from, of): (&GaussianState<N>, Extra),
     (to, its): (&GaussianState<N>, Extra),
     mixing: Mixing,
 ) -> GaussianState<N> {
-    if N == 4 || of == its {
+    if N == K || of == its {
         return *from;
     }
     let mut lent = GaussianState {
@@ -156,9 +214,9 @@ pub fn lent<const N: usize>(
     };
     if mixing == Mixing::Unbiased {
         lent = *to;
-        lent.covariance.fixed_rows_mut::<4>(0).fill(0.0);
-        lent.covariance.fixed_columns_mut::<4>(0).fill(0.0);
+        lent.covariance.fixed_rows_mut::<K>(0).fill(0.0);
+        lent.covariance.fixed_columns_mut::<K>(0).fill(0.0);
     }
-    set_leading(&mut lent, &from.leading::<4>());
+    set_leading(&mut lent, &from.leading::<K>());
     lent
 }

@@ -1,14 +1,18 @@
 //! The models of an IMM as a request names them.
 
-use super::mode::Extra;
-use super::{Imm, Mixing};
+use super::{Imm, Interacting, Mixing};
+use crate::filtering::climbing::Climbing;
 use crate::filtering::motions::{
     ACCELERATION_FIELDS, AnyMotion, MotionSpec, ORNSTEIN_UHLENBECK_FIELDS, SINGER_FIELDS,
     TURN_FIELDS, UNKNOWN_TURN_FIELDS,
 };
 use crate::filtering::unscented::Unscented;
-use crate::filtering::{AnyFilter, FilterMethod, PROCESS_NOISE, Reports, Way, WithFilter};
+use crate::filtering::{
+    AnyFilter, FilterMethod, Movement, PROCESS_NOISE, PlaceFilter, Reports, VERTICAL, Way,
+    WithFilter, vertical,
+};
 use crate::model::modes::MAX_MODES;
+use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::registry::{
     Field, Kind, Object, Union, default, joined, list, number, optional, variant,
 };
@@ -68,10 +72,6 @@ impl Models {
         &self.models[mode.min(MAX_MODELS - 1)].motion
     }
 
-    pub fn extras<const R: usize>(&self) -> [Extra; R] {
-        std::array::from_fn(|mode| Extra::of(self.motion(mode)))
-    }
-
     pub fn sojourns_s(&self) -> Vec<f64> {
         self.iter().map(|model| model.sojourn_s).collect()
     }
@@ -107,6 +107,42 @@ impl Models {
             work.in_plane(Imm::<MAX_MODELS, 6>::new(self, way, reports))
         }
     }
+
+    /// The same in space, beside this vertical.
+    pub(in crate::filtering) fn with_in_volume<W: WithFilter>(
+        self,
+        vertical: ConstantVelocity,
+        (way, reports): (Way, Reports),
+        work: W,
+    ) -> W::Output {
+        let climbing = |motion: &AnyMotion| Climbing {
+            motion: *motion,
+            vertical,
+        };
+        if self.count == 1 {
+            work.in_volume(Interacting::<_, 1, 9, 6>::of_motions(
+                self, climbing, way, reports,
+            ))
+        } else {
+            work.in_volume(Interacting::<_, MAX_MODELS, 9, 6>::of_motions(
+                self, climbing, way, reports,
+            ))
+        }
+    }
+
+    /// One model that lasts for ever.
+    pub(in crate::filtering) fn single(motion: AnyMotion) -> Self {
+        let model = Model {
+            motion,
+            sojourn_s: f64::INFINITY,
+            initial_probability: Some(1.0),
+        };
+        Models {
+            models: [model; MAX_MODELS],
+            count: 1,
+            mixing: Mixing::Unbiased,
+        }
+    }
 }
 
 static PARAMETERS: Object = Object {
@@ -131,6 +167,7 @@ static PARAMETERS: Object = Object {
             Kind::Choice(&["unbiased", "zero"]),
             r#""unbiased""#,
         ),
+        VERTICAL,
     ],
 };
 
@@ -211,6 +248,7 @@ struct Wire {
     models: Vec<WireModel>,
     way: WireWay,
     mixing: WireMixing,
+    vertical_process_noise_m2ps3: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -256,11 +294,12 @@ impl Wire {
         let models: Vec<Model> = self.models.into_iter().enumerate().map(resolved).collect();
         let models = Models::new(&models, mixing)
             .ok_or_else(|| serde_json::Error::custom("2 to 6 models"))?;
-        Ok(AnyFilter::Interacting {
-            models,
+        Ok(AnyFilter::Plane(PlaceFilter {
+            movement: Movement::Several(models),
             way,
             reports,
-        })
+            vertical: vertical(self.vertical_process_noise_m2ps3),
+        }))
     }
 }
 

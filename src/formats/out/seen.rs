@@ -42,7 +42,7 @@ pub fn for_each(
         for (index, detection) in (first..).zip(&scan.detections) {
             let time_s = time_of(recording, scan, index);
             let place_m = place_of(recording, scan, detection, places_m[scan.sensor])?;
-            let z_m = recording.z_m.get(index).copied().flatten();
+            let z_m = height_over(recording, scan, detection);
             let height_m = recording.beside.heights_m.get(index).copied().flatten();
             let spot = place_m
                 .map(|place_m| earth.spot(time_s, &place_m.push(z_m.unwrap_or_default()), height_m))
@@ -98,7 +98,7 @@ fn place_of(
     sensor_m: Option<Position>,
 ) -> Result<Option<Position>, Box<Fault>> {
     let from_m = scan.pose.map(|pose| pose.place.xy()).or(sensor_m);
-    match (detection.measurement, from_m) {
+    match (detection.measurement.flat(), from_m) {
         (Measurement::RangeBearing { .. }, None) => {
             let name = &recording.sensors[scan.sensor].sensor_id;
             let detail =
@@ -110,20 +110,45 @@ fn place_of(
     }
 }
 
+/// How high a detection is over the horizontal plane of the origin: measured, or of a slant range over its sensor.
+fn height_over(recording: &Recording, scan: &Scan, detection: &Detection) -> Option<f64> {
+    if let Measurement::RangeBearingElevation {
+        range_m,
+        elevation_rad,
+        ..
+    } = detection.measurement
+    {
+        let own_m = recording.sensors[scan.sensor].z_m.unwrap_or_default();
+        let from_m = scan.pose.map_or(own_m, |pose| pose.place.z);
+        return Some(from_m + range_m * elevation_rad.sin());
+    }
+    detection.measurement.z_m()
+}
+
 /// What a detection measured besides a position.
 pub fn numbers(detection: &Detection) -> Vec<(&'static str, f64)> {
-    let (range_m, bearing_rad, range_rate_mps) = match detection.measurement {
-        Measurement::Position { .. } => (None, None, None),
+    let measurement = detection.measurement;
+    let (range_m, bearing_rad, range_rate_mps) = match measurement {
+        Measurement::Position { .. } | Measurement::Position3 { .. } => (None, None, None),
         Measurement::RangeBearing {
             range_m,
             bearing_rad,
             range_rate_mps,
+        }
+        | Measurement::RangeBearingElevation {
+            range_m,
+            bearing_rad,
+            range_rate_mps,
+            ..
         } => (Some(range_m), Some(bearing_rad), range_rate_mps),
-        Measurement::Bearing { bearing_rad } => (None, Some(bearing_rad), None),
+        Measurement::Bearing { bearing_rad }
+        | Measurement::BearingElevation { bearing_rad, .. } => (None, Some(bearing_rad), None),
     };
+    let elevation_rad = measurement.elevation_rad();
     [
         ("range_m", range_m),
         ("bearing_deg", bearing_rad.map(f64::to_degrees)),
+        ("elevation_deg", elevation_rad.map(f64::to_degrees)),
         ("range_rate_mps", range_rate_mps),
         ("amplitude", detection.amplitude),
     ]

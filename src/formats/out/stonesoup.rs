@@ -76,9 +76,11 @@ impl Report {
 
     fn of(measurement: &Measurement) -> Report {
         match measurement {
-            Measurement::Position { .. } => Report::Position,
-            Measurement::RangeBearing { .. } => Report::Polar,
-            Measurement::Bearing { .. } => Report::Bearing,
+            Measurement::Position { .. } | Measurement::Position3 { .. } => Report::Position,
+            Measurement::RangeBearing { .. } | Measurement::RangeBearingElevation { .. } => {
+                Report::Polar
+            }
+            Measurement::Bearing { .. } | Measurement::BearingElevation { .. } => Report::Bearing,
         }
     }
 }
@@ -169,13 +171,21 @@ fn check_reports(recording: &Recording, wanted: Report) -> Result<(), Box<Fault>
 
 fn measured(measurement: &Measurement) -> Vec<f64> {
     match *measurement {
-        Measurement::Position { x_m, y_m } => vec![x_m, y_m],
+        Measurement::Position { x_m, y_m } | Measurement::Position3 { x_m, y_m, .. } => {
+            vec![x_m, y_m]
+        }
         Measurement::RangeBearing {
             range_m,
             bearing_rad,
             ..
+        }
+        | Measurement::RangeBearingElevation {
+            range_m,
+            bearing_rad,
+            ..
         } => vec![from_x_axis(bearing_rad), range_m],
-        Measurement::Bearing { bearing_rad } => vec![from_x_axis(bearing_rad)],
+        Measurement::Bearing { bearing_rad }
+        | Measurement::BearingElevation { bearing_rad, .. } => vec![from_x_axis(bearing_rad)],
     }
 }
 

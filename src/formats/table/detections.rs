@@ -30,7 +30,6 @@ struct Found {
     scan: Option<u32>,
     row: u64,
     detection: Option<Detection>,
-    z_m: Option<f64>,
     height_m: Option<f64>,
 }
 
@@ -46,6 +45,8 @@ struct Builder {
     ground: Ground,
     /// Whether a row had both a position and a range or bearing.
     ambiguous: bool,
+    /// Whether a row had a height that belongs to no position.
+    has_stray_height: bool,
     repeats: Repeats,
 }
 
@@ -76,7 +77,7 @@ pub fn read(
     let repeated = builder.repeats.count() as u64;
     let base = reader.time_base();
     let repeats = reader.repeats_warning(&builder.repeats);
-    let ambiguous = builder.ambiguous;
+    let (ambiguous, has_stray_height) = (builder.ambiguous, builder.has_stray_height);
     let told = reader.told();
     let grouped = scans::group(
         builder,
@@ -93,6 +94,10 @@ pub fn read(
             "rows have x_m, y_m and also range_m or bearing_deg: the position is used".to_owned(),
         );
     }
+    if has_stray_height {
+        warnings
+            .push("z_m belongs to x_m, y_m: it is not read of rows without a position".to_owned());
+    }
     Ok((Dataset::Detections(recording), units))
 }
 
@@ -108,7 +113,6 @@ impl Builder {
         }
         let measurement = self.measurement(reader, columns);
         let amplitude = reader.optional_number(columns.amplitude);
-        let z_m = reader.optional_number(columns.z);
         let height_m = reader.optional_number(columns.height);
         let (Some(time_s), true) = (time_s, reader.is_sound()) else {
             return;
@@ -129,7 +133,6 @@ impl Builder {
                 origin,
                 amplitude,
             }),
-            z_m,
             height_m,
         };
         self.keep(found, reader, columns);
@@ -179,18 +182,21 @@ impl Builder {
         }
         let bearing = reader.optional_number(columns.bearing);
         let range_rate_mps = reader.optional_number(columns.range_rate);
+        let z_m = reader.optional_number(columns.z);
+        let elevation = elevation_of(reader, columns);
         if !reader.is_sound() {
             return None;
         }
+        self.has_stray_height |= position.is_none() && z_m.is_some();
         self.ambiguous |= position.is_some() && (range_m.is_some() || bearing.is_some());
         let measurement = match (position, range_m, bearing.map(f64::to_radians)) {
-            (Some([x_m, y_m]), _, _) => Measurement::Position { x_m, y_m },
-            (None, Some(range_m), Some(bearing_rad)) => Measurement::RangeBearing {
-                range_m,
-                bearing_rad,
-                range_rate_mps,
+            (Some([x_m, y_m]), _, _) => match z_m {
+                Some(z_m) => Measurement::Position3 { x_m, y_m, z_m },
+                None => Measurement::Position { x_m, y_m },
             },
-            (None, None, Some(bearing_rad)) => Measurement::Bearing { bearing_rad },
+            (None, range_m, Some(bearing_rad)) => {
+                directed(range_m, bearing_rad, elevation, range_rate_mps)
+            }
             (None, range_m, None) => {
                 missing_measurement(reader, columns, range_m.is_some());
                 return None;
@@ -222,6 +228,43 @@ impl Builder {
             self.ground.add_both(place.into(), earth[1], earth[0]);
         }
         Some(place)
+    }
+}
+
+/// The elevation (rad), where the row has one.
+fn elevation_of(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
+    let elevation = reader.optional_number(columns.elevation)?;
+    if let Some(column) = columns.elevation.filter(|_| elevation.abs() > 90.0) {
+        let detail = format!("an elevation of {elevation} degrees is none");
+        reader.fault_allowing(column, "out_of_range", detail, "-90 to 90 deg");
+    }
+    Some(elevation.to_radians())
+}
+
+/// A direction, with its range where that was measured.
+fn directed(
+    range_m: Option<f64>,
+    bearing_rad: f64,
+    elevation_rad: Option<f64>,
+    range_rate_mps: Option<f64>,
+) -> Measurement {
+    match (range_m, elevation_rad) {
+        (Some(range_m), None) => Measurement::RangeBearing {
+            range_m,
+            bearing_rad,
+            range_rate_mps,
+        },
+        (Some(range_m), Some(elevation_rad)) => Measurement::RangeBearingElevation {
+            range_m,
+            bearing_rad,
+            elevation_rad,
+            range_rate_mps,
+        },
+        (None, None) => Measurement::Bearing { bearing_rad },
+        (None, Some(elevation_rad)) => Measurement::BearingElevation {
+            bearing_rad,
+            elevation_rad,
+        },
     }
 }
 

@@ -57,8 +57,9 @@ const DETECTIONS: Schema = Schema {
         "amplitude",
         "truth_id",
         "z_m",
+        "elevation_deg",
     ],
-    unused: &["elevation_deg"],
+    unused: &[],
     together: &[&["x_m", "y_m"]],
 };
 

@@ -43,6 +43,13 @@ pub struct Step<const N: usize> {
     noise: SMatrix<f64, N, N>,
 }
 
+impl<const N: usize> Step<N> {
+    /// Over a time in which coordinates and rates gain this noise.
+    pub(super) fn new(dt_s: f64, noise: SMatrix<f64, N, N>) -> Self {
+        Step { dt_s, noise }
+    }
+}
+
 impl<const N: usize> Motion<N> for ConstantVelocity {
     type Step = Step<N>;
 

@@ -7,6 +7,7 @@ pub mod constant_acceleration;
 pub mod constant_velocity;
 pub mod coordinated_turn;
 mod decay;
+pub mod in_space;
 pub mod linear;
 pub mod ornstein_uhlenbeck;
 pub mod singer;

@@ -32,8 +32,8 @@ pub struct OrnsteinUhlenbeck {
 /// F, Q, and what the mean velocity adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    linear: Linear<4>,
-    drift: SVector<f64, 4>,
+    pub linear: Linear<4>,
+    pub drift: SVector<f64, 4>,
 }
 
 impl Motion<4> for OrnsteinUhlenbeck {

@@ -15,6 +15,7 @@
 
 use super::Motion;
 use super::coordinated_turn::Arc;
+use super::linear::Linear;
 use crate::model::state::{GaussianState, mirror};
 use nalgebra::{Matrix5, SMatrix, SVector};
 
@@ -79,6 +80,19 @@ impl Motion<5> for UnknownTurn {
 }
 
 impl Step {
+    /// F and Q around a belief. f is F without its last column, which is the place of ω itself.
+    #[inline]
+    pub fn around(&self, belief: &GaussianState<5>) -> Linear<5> {
+        let arc = Arc::new(belief.mean[4] * self.dt_s);
+        let mut noise = self.noise;
+        let mut of_turn = noise.fixed_view_mut::<4, 4>(0, 0);
+        of_turn += arc.noise(self.spectral_density, self.dt_s);
+        Linear {
+            transition: self.jacobian(&arc, &belief.mean),
+            noise,
+        }
+    }
+
     #[inline]
     fn jacobian(&self, arc: &Arc, mean: &SVector<f64, 5>) -> SMatrix<f64, 5, 5> {
         let (vx, vy) = (mean[2], mean[3]);

@@ -24,7 +24,7 @@ impl Sensing<4, 1> for Bearing {
     const ANGLE: Option<usize> = Some(0);
 
     fn read(&self, report: &Measurement) -> Option<Vector1<f64>> {
-        match *report {
+        match report.flat() {
             Measurement::Bearing { bearing_rad } => Some(Vector1::new(wrap(bearing_rad))),
             _ => None,
         }

@@ -27,7 +27,7 @@ impl Sensing<4, 2> for Converted {
     const IS_DIRECT: bool = true;
 
     fn read(&self, report: &Measurement) -> Option<Position> {
-        match *report {
+        match report.flat() {
             Measurement::RangeBearing {
                 range_m,
                 bearing_rad,

@@ -23,10 +23,12 @@ impl Sensing<2, 1> for Direction {
     fn read(&self, report: &Measurement) -> Option<Vector1<f64>> {
         match *report {
             Measurement::Bearing { bearing_rad }
-            | Measurement::RangeBearing { bearing_rad, .. } => {
+            | Measurement::RangeBearing { bearing_rad, .. }
+            | Measurement::BearingElevation { bearing_rad, .. }
+            | Measurement::RangeBearingElevation { bearing_rad, .. } => {
                 Some(Vector1::new(wrap(bearing_rad)))
             }
-            Measurement::Position { .. } => None,
+            Measurement::Position { .. } | Measurement::Position3 { .. } => None,
         }
     }
 

@@ -2,25 +2,32 @@
 //! would put a target.
 //!
 //! # Symbols
-//! x̂, P mean and covariance of the kinematics: position and velocity in the plane (`K` = 4), or a bearing and its rate (`K` = 2);
+//! x̂, P mean and covariance of the kinematics: position and velocity in the plane (`K` = 4) or in space (`K` = 6), or a bearing
+//! and its rate (`K` = 2);
 //! z a report as `D` values; h what is reported of a state without noise; H = ∂h/∂x; R noise covariance.
 
 use super::scan::Measurement;
-use super::space::Pose;
+use super::space::{Pose, Space};
 use super::state::{GaussianState, Position};
 use nalgebra::{SMatrix, SVector};
 
 mod bearing;
 mod converted;
 mod direction;
+mod in_space;
 mod polar;
 mod position;
+mod site;
+mod spherical;
 
 pub use bearing::Bearing;
 pub use converted::Converted;
 pub use direction::Direction;
+pub use in_space::{Places, unbiased_covariance, unbiased_place};
 pub use polar::{Polar, RangeRate};
 pub use position::Positions;
+pub use site::Site;
+pub use spherical::{Directions, Ranges, Spherical};
 
 /// One kind of report of targets whose kinematics have `K` variables, as `D` values.
 pub trait Sensing<const K: usize, const D: usize> {
@@ -67,12 +74,25 @@ pub enum MeasurementModel {
     /// Ranges and bearings that are turned into positions.
     Converted(Polar),
     Bearing(Bearing),
+    /// Positions of three coordinates.
+    Position3 {
+        sigmas_m: [f64; 3],
+        /// As of [`Spherical::clutter_span`].
+        clutter_span: Option<f64>,
+    },
+    /// Ranges and bearings in space, with elevations where they are measured.
+    Spherical(Spherical),
+    /// Ranges, bearings and elevations that are turned into positions.
+    ConvertedSpherical(Spherical),
+    /// Bearings and elevations without ranges.
+    Sight(Spherical),
 }
 
 impl MeasurementModel {
     pub fn range_rate(&self) -> Option<RangeRate> {
         match self {
             MeasurementModel::Polar(polar) => polar.range_rate,
+            MeasurementModel::Spherical(spherical) => spherical.range_rate,
             _ => None,
         }
     }
@@ -83,12 +103,18 @@ impl MeasurementModel {
             MeasurementModel::Position { .. } | MeasurementModel::Converted(_) => 2,
             MeasurementModel::Polar(polar) => 2 + usize::from(polar.range_rate.is_some()),
             MeasurementModel::Bearing(_) => 1,
+            MeasurementModel::Position3 { .. } | MeasurementModel::ConvertedSpherical(_) => 3,
+            MeasurementModel::Spherical(spherical) => spherical.dimensions(),
+            MeasurementModel::Sight(_) => 2,
         }
     }
 
-    /// Whether its reports are bearings alone.
+    /// Whether its reports are directions alone.
     pub fn is_bearing(&self) -> bool {
-        matches!(self, MeasurementModel::Bearing(_))
+        matches!(
+            self,
+            MeasurementModel::Bearing(_) | MeasurementModel::Sight(_)
+        )
     }
 
     /// Whether one of its reports tells where a target of the plane is.
@@ -96,11 +122,29 @@ impl MeasurementModel {
         !self.is_bearing()
     }
 
+    /// Whether one of its reports tells where a target of this space is: in a volume how high, too.
+    pub fn locates_in(&self, space: Space) -> bool {
+        match space {
+            Space::Bearing => true,
+            Space::Plane => self.locates(),
+            Space::Volume => match self {
+                MeasurementModel::Position3 { .. } | MeasurementModel::ConvertedSpherical(_) => {
+                    true
+                }
+                MeasurementModel::Spherical(spherical) => spherical.sigma_elevation_rad.is_some(),
+                _ => false,
+            },
+        }
+    }
+
     /// The same with its ranges and bearings turned into positions.
     #[must_use]
     pub fn converted(self) -> Self {
         match self {
             MeasurementModel::Polar(polar) => MeasurementModel::Converted(polar),
+            MeasurementModel::Spherical(spherical) if spherical.sigma_elevation_rad.is_some() => {
+                MeasurementModel::ConvertedSpherical(spherical)
+            }
             other => other,
         }
     }
@@ -110,7 +154,7 @@ impl MeasurementModel {
     pub fn seen_from(&self, pose: &Pose) -> Self {
         let place_m = pose.place.xy();
         match *self {
-            MeasurementModel::Position { .. } => *self,
+            MeasurementModel::Position { .. } | MeasurementModel::Position3 { .. } => *self,
             MeasurementModel::Polar(polar) => MeasurementModel::Polar(Polar { place_m, ..polar }),
             MeasurementModel::Converted(polar) => {
                 MeasurementModel::Converted(Polar { place_m, ..polar })
@@ -118,17 +162,29 @@ impl MeasurementModel {
             MeasurementModel::Bearing(bearing) => {
                 MeasurementModel::Bearing(Bearing { place_m, ..bearing })
             }
+            MeasurementModel::Spherical(spherical) => {
+                MeasurementModel::Spherical(spherical.seen_from(pose.place))
+            }
+            MeasurementModel::ConvertedSpherical(spherical) => {
+                MeasurementModel::ConvertedSpherical(spherical.seen_from(pose.place))
+            }
+            MeasurementModel::Sight(spherical) => {
+                MeasurementModel::Sight(spherical.seen_from(pose.place))
+            }
         }
     }
 
     /// Where the sensor stands, if that matters to its reports.
     pub fn place_m(&self) -> Option<Position> {
         match self {
-            MeasurementModel::Position { .. } => None,
+            MeasurementModel::Position { .. } | MeasurementModel::Position3 { .. } => None,
             MeasurementModel::Polar(polar) | MeasurementModel::Converted(polar) => {
                 Some(polar.place_m)
             }
             MeasurementModel::Bearing(bearing) => Some(bearing.place_m),
+            MeasurementModel::Spherical(spherical)
+            | MeasurementModel::ConvertedSpherical(spherical)
+            | MeasurementModel::Sight(spherical) => Some(spherical.site.place_m.xy()),
         }
     }
 }
@@ -160,6 +216,47 @@ impl Dispatch<4> for MeasurementModel {
             MeasurementModel::Polar(polar) => work.with::<_, 2>(&polar),
             MeasurementModel::Converted(polar) => work.with::<_, 2>(&Converted(polar)),
             MeasurementModel::Bearing(bearing) => work.with::<_, 1>(&bearing),
+            MeasurementModel::Position3 { .. }
+            | MeasurementModel::Spherical(_)
+            | MeasurementModel::ConvertedSpherical(_)
+            | MeasurementModel::Sight(_) => return None,
+        })
+    }
+}
+
+/// Targets in space. What is reported of the plane says something of x and y, and nothing of z.
+impl Dispatch<6> for MeasurementModel {
+    fn dispatch<W: WithSensing<6>>(&self, work: W) -> Option<W::Output> {
+        let ranges = |work: W, spherical: Spherical| match spherical.dimensions() {
+            2 => work.with::<_, 2>(&Ranges(spherical)),
+            3 => work.with::<_, 3>(&Ranges(spherical)),
+            _ => work.with::<_, 4>(&Ranges(spherical)),
+        };
+        Some(match *self {
+            MeasurementModel::Position {
+                sigma_x_m,
+                sigma_y_m,
+            } => work.with::<_, 2>(&Places::Measured {
+                sigmas_m: [sigma_x_m, sigma_y_m, 0.0],
+                clutter_span: None,
+            }),
+            MeasurementModel::Converted(polar) => work.with::<_, 2>(&Places::Flat(polar)),
+            MeasurementModel::Position3 {
+                sigmas_m,
+                clutter_span,
+            } => work.with::<_, 3>(&Places::Measured {
+                sigmas_m,
+                clutter_span,
+            }),
+            MeasurementModel::ConvertedSpherical(spherical) => {
+                work.with::<_, 3>(&Places::Converted(spherical))
+            }
+            MeasurementModel::Polar(polar) => ranges(work, polar.into()),
+            MeasurementModel::Spherical(spherical) => ranges(work, spherical),
+            MeasurementModel::Bearing(bearing) => {
+                work.with::<_, 1>(&Directions(Spherical::from(bearing)))
+            }
+            MeasurementModel::Sight(spherical) => work.with::<_, 2>(&Directions(spherical)),
         })
     }
 }

@@ -78,7 +78,7 @@ impl<const D: usize> Sensing<4, D> for Polar {
             range_m,
             bearing_rad,
             range_rate_mps,
-        } = *report
+        } = report.flat()
         else {
             return None;
         };

@@ -275,7 +275,7 @@ pub fn log_ratios_by_neighbours(
 }
 
 fn density_of_neighbours(k: usize, distance: f64, report: &Measurement) -> f64 {
-    let measure = match report {
+    let measure = match report.flat() {
         Measurement::Bearing { .. } => 2.0 * distance,
         _ => PI * distance * distance,
     };
@@ -287,7 +287,7 @@ fn distance(one: &Measurement, other: &Measurement, from_m: &Position) -> Option
     if let (
         Measurement::Bearing { bearing_rad: one },
         Measurement::Bearing { bearing_rad: other },
-    ) = (one, other)
+    ) = (one.flat(), other.flat())
     {
         return Some(wrap(one - other).abs());
     }

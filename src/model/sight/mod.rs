@@ -44,9 +44,9 @@ impl Spot {
         }
     }
 
-    /// Of a report.
+    /// Of a report, along the ground.
     pub fn of_report(report: &Measurement, from_m: &Position) -> Spot {
-        match *report {
+        match report.flat() {
             Measurement::RangeBearing {
                 range_m,
                 bearing_rad,
@@ -59,7 +59,15 @@ impl Spot {
                 bearing_rad,
                 range_m: None,
             },
-            Measurement::Position { x_m, y_m } => Spot::of_place(&Position::new(x_m, y_m), from_m),
+            Measurement::Position { x_m, y_m } | Measurement::Position3 { x_m, y_m, .. } => {
+                Spot::of_place(&Position::new(x_m, y_m), from_m)
+            }
+            // Those are flat now.
+            Measurement::RangeBearingElevation { bearing_rad, .. }
+            | Measurement::BearingElevation { bearing_rad, .. } => Spot {
+                bearing_rad,
+                range_m: None,
+            },
         }
     }
 }

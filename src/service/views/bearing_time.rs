@@ -161,7 +161,7 @@ fn common_place(recording: &Recording, layers: &JobLayers) -> Option<Position> {
 }
 
 fn detection_rows<'a>(recording: &'a Recording, window: &Window) -> Vec<Row<'a>> {
-    let row = |seen: Seen<'a>| match seen.detection.measurement {
+    let row = |seen: Seen<'a>| match seen.detection.measurement.flat() {
         Measurement::Bearing { bearing_rad } | Measurement::RangeBearing { bearing_rad, .. } => {
             Some(Row::new(
                 seen.scan.time_s,
@@ -170,7 +170,7 @@ fn detection_rows<'a>(recording: &'a Recording, window: &Window) -> Vec<Row<'a>>
                 bearing_rad,
             ))
         }
-        Measurement::Position { .. } => None,
+        _ => None,
     };
     detections(recording, window).filter_map(row).collect()
 }

@@ -70,7 +70,7 @@ fn detections<'a>(recording: &'a Recording, window: &Window) -> impl Iterator<It
                 scan,
                 detection,
                 detection_id: &recording.detection_ids[index],
-                z_m: recording.z_m.get(index).copied().flatten(),
+                z_m: detection.measurement.z_m(),
             })
         })
 }
@@ -110,7 +110,7 @@ fn detection_id(set: &TrackSet, candidate: &Candidate) -> Option<String> {
 
 /// Where a detection is, in the plane; a bearing alone is nowhere.
 fn place(measurement: Measurement, sensor_m: Position) -> Option<(f64, f64)> {
-    match measurement {
+    match measurement.flat() {
         Measurement::Position { x_m, y_m } => Some((x_m, y_m)),
         Measurement::RangeBearing {
             range_m,
@@ -120,7 +120,7 @@ fn place(measurement: Measurement, sensor_m: Position) -> Option<(f64, f64)> {
             let (sine, cosine) = bearing_rad.sin_cos();
             Some((sensor_m.x + range_m * sine, sensor_m.y + range_m * cosine))
         }
-        Measurement::Bearing { .. } => None,
+        _ => None,
     }
 }
 

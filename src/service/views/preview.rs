@@ -82,7 +82,6 @@ fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
         sensors: recording.sensors.clone(),
         scans,
         detection_ids: recording.detection_ids[..count].to_vec(),
-        z_m: recording.z_of(0..count).to_vec(),
         targets: recording.targets.clone(),
         origins_known: recording.origins_known,
     };

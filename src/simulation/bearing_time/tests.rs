@@ -15,6 +15,7 @@ fn scenario(plan: &serde_json::Value, lines: &[(f64, f64)]) -> Scenario {
             .unwrap();
     let plan = crate::registry::check(plan, &RECORD).unwrap();
     Scenario {
+        origin: None,
         scans: 20,
         scan_period_s: 10.0,
         sensors: vec![sensor],

@@ -91,6 +91,11 @@ pub static LIFECYCLE: Object = Object {
             above(0.0, 1e9, "m"),
         ),
         optional(
+            "space",
+            "plane: a recording of a volume is tracked in the plane, without heights; of a slant range with its elevation the part along the ground is used. When absent, it is tracked in space.",
+            Kind::Choice(&["plane"]),
+        ),
+        optional(
             "initial_speed_sigma_mps",
             "Standard deviation of each velocity component of a track of one point, which starts at rest. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
             above(0.0, 1e5, "m/s"),
@@ -274,7 +279,8 @@ impl Lifecycle {
     }
 }
 
-/// The largest variance of the position in any direction: the greater eigenvalue of its covariance.
+/// The largest variance of the position in any direction of the plane: the greater eigenvalue of its covariance. How high a
+/// target is may be unknown for long where sensors of the plane follow it.
 fn largest_variance<const K: usize>(covariance: &SMatrix<f64, K, K>) -> f64 {
     if K < 4 {
         return covariance[(0, 0)];

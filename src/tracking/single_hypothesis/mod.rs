@@ -105,6 +105,10 @@ impl WithFilter for Building {
         Box::new(SingleHypothesis::new(filter, self.0))
     }
 
+    fn in_volume<F: Filter<6>>(self, filter: F) -> Box<dyn Tracker> {
+        Box::new(SingleHypothesis::new(filter, self.0))
+    }
+
     fn of_bearings<F: Filter<2>>(self, filter: F) -> Box<dyn Tracker> {
         Box::new(SingleHypothesis::new(filter, self.0))
     }

@@ -156,7 +156,7 @@ fn columns_are_renamed_and_others_reported() {
     assert_eq!(
         outcome.warnings,
         [
-            "columns kept in the file but not used: sigma_x_m, elevation_deg",
+            "columns kept in the file but not used: sigma_x_m",
             "unknown columns, kept in the file but not used: colour"
         ]
     );

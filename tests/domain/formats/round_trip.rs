@@ -379,11 +379,32 @@ fn tracks_of_volumes(mut set: TrackSet) -> TrackSet {
     set
 }
 
-/// The same recording with these heights of its detections; one at least is there.
+/// The same recording with heights and elevations of its detections, where there are some.
 fn detections_of_volumes(recording: Recording, heights: &[Option<f64>]) -> Recording {
     let mut parts = recording.into_parts();
-    let count = parts.detection_ids.len();
-    parts.z_m = heights.iter().cycle().take(count).copied().collect();
+    let detections = parts.scans.iter_mut().flat_map(|scan| &mut scan.detections);
+    for (detection, height) in detections.zip(heights.iter().cycle()) {
+        let Some(z_m) = *height else { continue };
+        let elevation_rad = (z_m % 90.0).to_radians();
+        detection.measurement = match detection.measurement {
+            Measurement::Position { x_m, y_m } => Measurement::Position3 { x_m, y_m, z_m },
+            Measurement::RangeBearing {
+                range_m,
+                bearing_rad,
+                range_rate_mps,
+            } => Measurement::RangeBearingElevation {
+                range_m,
+                bearing_rad,
+                elevation_rad,
+                range_rate_mps,
+            },
+            Measurement::Bearing { bearing_rad } => Measurement::BearingElevation {
+                bearing_rad,
+                elevation_rad,
+            },
+            other => other,
+        };
+    }
     Recording::new(parts).expect("it was sound")
 }
 

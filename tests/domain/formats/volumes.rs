@@ -135,7 +135,7 @@ fn detections_keep_their_third_coordinate_where_they_have_one() {
     assert!(recording.is_in_volume());
     // In order of time and sensor, as the detections are.
     assert_eq!(recording.detection_ids, ["b", "a", "c", "d"]);
-    assert_eq!(recording.z_m, [None, Some(30.0), Some(-70.0), Some(90.0)]);
+    assert_eq!(recording.z_m(), [None, Some(30.0), Some(-70.0), Some(90.0)]);
     let first = recording.detections().next().expect("four detections");
     assert_eq!(
         first.measurement,
@@ -145,8 +145,7 @@ fn detections_keep_their_third_coordinate_where_they_have_one() {
         recording
             .only_sensors(&[id.to_owned()])
             .expect("known")
-            .z_m
-            .clone()
+            .z_m()
     };
     assert_eq!(own("s"), [Some(30.0), Some(-70.0), Some(90.0)]);
     assert_eq!(own("r"), [], "of this sensor nothing has a height");

@@ -26,7 +26,7 @@ const MOST_UNEVEN: f64 = 3.0;
 const PARTS: usize = 8;
 
 /// The values of a report: x and y, or range, bearing and range rate, or a bearing.
-pub const MOST_VALUES: usize = 3;
+pub const MOST_VALUES: usize = 4;
 
 /// A report at a time.
 #[derive(Debug, Clone, Copy)]
@@ -125,21 +125,37 @@ fn scaled_quantile(absolute: &[f64], share: f64, of_standard: f64) -> Option<f64
 
 fn values_of(report: &Measurement) -> [Option<f64>; MOST_VALUES] {
     match *report {
-        Measurement::Position { x_m, y_m } => [Some(x_m), Some(y_m), None],
+        Measurement::Position { x_m, y_m } => [Some(x_m), Some(y_m), None, None],
+        Measurement::Position3 { x_m, y_m, z_m } => [Some(x_m), Some(y_m), Some(z_m), None],
+        Measurement::RangeBearingElevation {
+            range_m,
+            bearing_rad,
+            elevation_rad,
+            range_rate_mps,
+        } => [
+            Some(range_m),
+            Some(bearing_rad),
+            Some(elevation_rad),
+            range_rate_mps,
+        ],
+        Measurement::BearingElevation {
+            bearing_rad,
+            elevation_rad,
+        } => [Some(bearing_rad), Some(elevation_rad), None, None],
         Measurement::RangeBearing {
             range_m,
             bearing_rad,
             range_rate_mps,
-        } => [Some(range_m), Some(bearing_rad), range_rate_mps],
-        Measurement::Bearing { bearing_rad } => [Some(bearing_rad), None, None],
+        } => [Some(range_m), Some(bearing_rad), range_rate_mps, None],
+        Measurement::Bearing { bearing_rad } => [Some(bearing_rad), None, None, None],
     }
 }
 
 fn is_angle(report: &Measurement, axis: usize) -> bool {
     match report {
-        Measurement::Position { .. } => false,
-        Measurement::RangeBearing { .. } => axis == 1,
-        Measurement::Bearing { .. } => true,
+        Measurement::Position { .. } | Measurement::Position3 { .. } => false,
+        Measurement::RangeBearing { .. } | Measurement::RangeBearingElevation { .. } => axis == 1,
+        Measurement::Bearing { .. } | Measurement::BearingElevation { .. } => axis == 0,
     }
 }
 

@@ -6,6 +6,7 @@ use crate::experiment::input::extent::detections_of;
 use crate::filtering::AnyFilter;
 use crate::model::scan::{Measurement, Recording};
 use crate::model::sensor::SensorSettings;
+use crate::model::space::Space;
 
 /// Nothing is exact: σ is at least this.
 const LEAST_SIGMA: f64 = 1e-6;
@@ -15,11 +16,13 @@ const LEAST_RESIDUALS: usize = 5;
 const WIDENING: f64 = 2.0;
 
 /// As requests name them.
-pub const NAMES: [&str; 5] = [
+pub const NAMES: [&str; 7] = [
     "sigma_x_m",
     "sigma_y_m",
+    "sigma_z_m",
     "sigma_range_m",
     "sigma_bearing_deg",
+    "sigma_elevation_deg",
     "sigma_range_rate_mps",
 ];
 
@@ -30,6 +33,8 @@ pub fn get(settings: &SensorSettings, name: &str) -> Option<f64> {
     match name {
         "sigma_x_m" => settings.sigma_x_m,
         "sigma_y_m" => settings.sigma_y_m,
+        "sigma_z_m" => settings.sigma_z_m,
+        "sigma_elevation_deg" => settings.sigma_elevation_deg,
         "sigma_range_m" => settings.sigma_range_m,
         "sigma_bearing_deg" => settings.sigma_bearing_deg,
         _ => settings.sigma_range_rate_mps,
@@ -40,6 +45,8 @@ pub fn put(settings: &mut SensorSettings, name: &str, value: Option<f64>) {
     match name {
         "sigma_x_m" => settings.sigma_x_m = value,
         "sigma_y_m" => settings.sigma_y_m = value,
+        "sigma_z_m" => settings.sigma_z_m = value,
+        "sigma_elevation_deg" => settings.sigma_elevation_deg = value,
         "sigma_range_m" => settings.sigma_range_m = value,
         "sigma_bearing_deg" => settings.sigma_bearing_deg = value,
         _ => settings.sigma_range_rate_mps = value,
@@ -51,7 +58,7 @@ pub fn are_bearings(recording: &Recording, index: usize) -> bool {
     let first = detections_of(recording, index).next();
     matches!(
         first.map(|detection| detection.measurement),
-        Some(Measurement::Bearing { .. })
+        Some(Measurement::Bearing { .. } | Measurement::BearingElevation { .. })
     )
 }
 
@@ -61,8 +68,30 @@ fn fields(recording: &Recording, index: usize, filter: &AnyFilter) -> Vec<Field>
     let Some(report) = first.map(|detection| detection.measurement) else {
         return Vec::new();
     };
+    let report = if filter.space() == Space::Volume {
+        report
+    } else {
+        report.flat()
+    };
     match report {
         Measurement::Position { .. } => vec![("sigma_x_m", 0), ("sigma_y_m", 1)],
+        Measurement::Position3 { .. } => {
+            vec![("sigma_x_m", 0), ("sigma_y_m", 1), ("sigma_z_m", 2)]
+        }
+        Measurement::BearingElevation { .. } => {
+            vec![("sigma_bearing_deg", 0), ("sigma_elevation_deg", 1)]
+        }
+        Measurement::RangeBearingElevation { range_rate_mps, .. } => {
+            let mut fields = vec![
+                ("sigma_range_m", 0),
+                ("sigma_bearing_deg", 1),
+                ("sigma_elevation_deg", 2),
+            ];
+            if range_rate_mps.is_some() && filter.uses_range_rates() {
+                fields.push(("sigma_range_rate_mps", 3));
+            }
+            fields
+        }
         Measurement::Bearing { .. } => vec![("sigma_bearing_deg", 0)],
         Measurement::RangeBearing { .. } if !filter.space().has_places() => {
             vec![("sigma_bearing_deg", 1)]
@@ -172,7 +201,7 @@ pub fn estimates(
 }
 
 fn in_units(name: &str, sigma: f64) -> f64 {
-    if name == "sigma_bearing_deg" {
+    if name.ends_with("_deg") {
         sigma.to_degrees()
     } else {
         sigma

@@ -67,7 +67,7 @@ impl Scene {
         let (scenario, sensors) = (self.spec.input.scenario.as_ref(), &self.spec.sensors);
         let mut warnings = Vec::new();
         let run = TrackerRun::new(
-            &self.data,
+            (&self.data, self.data.recording().unwrap()),
             scenario,
             &settled,
             sensors,

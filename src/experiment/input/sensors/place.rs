@@ -14,6 +14,14 @@ pub(super) fn in_plane(
     let (Some(lat_deg), Some(lon_deg)) = (settings.lat_deg, settings.lon_deg) else {
         return Ok(settings);
     };
+    if asked.x_m.is_some() && asked.lat_deg.is_none() {
+        // The request puts it elsewhere than the data do.
+        return Ok(SensorSettings {
+            lat_deg: None,
+            lon_deg: None,
+            ..settings
+        });
+    }
     if settings.x_m.is_some() && asked.lat_deg.is_none() {
         return Ok(settings);
     }

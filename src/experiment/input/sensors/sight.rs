@@ -72,7 +72,8 @@ pub(super) fn with_sight(
 fn density_of(sector: &SectorSettings, space: Space) -> Option<f64> {
     match space {
         Space::Bearing => sector.clutter_per_deg,
-        Space::Plane | Space::Volume => sector.clutter_per_m2,
+        Space::Plane => sector.clutter_per_m2,
+        Space::Volume => None,
     }
 }
 
@@ -89,8 +90,11 @@ fn plan_of(
     };
     let view = settings.field_of_view.unwrap_or_default();
     let area = match sensor.report {
-        MeasurementModel::Bearing(_) => MapArea::Arc(view.limits()),
-        MeasurementModel::Polar(_) | MeasurementModel::Converted(_) => {
+        MeasurementModel::Bearing(_) | MeasurementModel::Sight(_) => MapArea::Arc(view.limits()),
+        MeasurementModel::Polar(_)
+        | MeasurementModel::Converted(_)
+        | MeasurementModel::Spherical(_)
+        | MeasurementModel::ConvertedSpherical(_) => {
             let farthest_m = || farthest_m(recording, index);
             let range_to_m = view.range_to_m.or(settings.max_range_m);
             let limits = ViewSettings {
@@ -99,7 +103,7 @@ fn plan_of(
             };
             MapArea::Polar(limits.limits())
         }
-        MeasurementModel::Position { .. } => {
+        MeasurementModel::Position { .. } | MeasurementModel::Position3 { .. } => {
             let (low_m, high_m) = corners(recording, index, settings)?;
             MapArea::Plane { low_m, high_m }
         }
@@ -114,7 +118,7 @@ fn plan_of(
 }
 
 fn farthest_m(recording: &Recording, index: usize) -> f64 {
-    let range_m = |detection: &Detection| match detection.measurement {
+    let range_m = |detection: &Detection| match detection.measurement.flat() {
         Measurement::RangeBearing { range_m, .. } => range_m,
         _ => 0.0,
     };
@@ -122,6 +126,9 @@ fn farthest_m(recording: &Recording, index: usize) -> f64 {
         .map(range_m)
         .fold(0.0, f64::max)
 }
+
+/// How the clutter of what tells heights is stated where parts of the ground differ.
+const GROUND: &str = "clutter_per_m2 of the sensor";
 
 /// What no table can see.
 fn faults_of(settings: &SensorSettings, sensor: &Sensor, extent: &Extent) -> Vec<Fault> {
@@ -144,13 +151,23 @@ fn faults_of(settings: &SensorSettings, sensor: &Sensor, extent: &Extent) -> Vec
         if stated.is_some() && density_of(sector, extent.space).is_none() {
             let (given, wanted) = match extent.space {
                 Space::Bearing => ("clutter_per_m2", "clutter_per_deg"),
-                Space::Plane | Space::Volume => ("clutter_per_deg", "clutter_per_m2"),
+                Space::Plane => ("clutter_per_deg", "clutter_per_m2"),
+                Space::Volume => ("clutter_per_m2", GROUND),
             };
             let detail = format!(
                 "the clutter of sector {index} of sensor '{name}' is stated in '{given}'; what is used of its reports needs '{wanted}'"
             );
             refuse("unsupported", detail, wanted);
         }
+    }
+    let is_learnt = settings
+        .clutter
+        .is_some_and(|clutter| clutter != ClutterSettings::Estimated);
+    if is_learnt && extent.space == Space::Volume {
+        let detail = format!(
+            "clutter is learnt per square metre, and that of sensor '{name}' is not stated so"
+        );
+        refuse("unsupported", detail, GROUND);
     }
     if settings.clutter.is_some_and(|clutter| !clutter.is_sound()) {
         let detail = format!("the clutter of sensor '{name}' cannot be learnt so");

@@ -3,9 +3,9 @@
 use super::*;
 use crate::filtering::bearing_only::BearingOnly;
 use crate::filtering::motions::AnyMotion;
-use crate::filtering::{AnyFilter, Reports, Way};
+use crate::filtering::{AnyFilter, Movement, PlaceFilter, Reports, Way};
 use crate::model::motion::constant_velocity::ConstantVelocity;
-use crate::model::scan::{RecordingParts, Scan};
+use crate::model::scan::{Detection, RecordingParts, Scan};
 
 fn recording(measurements: &[Measurement]) -> Recording {
     let detections: Vec<Detection> = measurements
@@ -37,15 +37,16 @@ const KALMAN: NamedFilter = named("kalman", Reports::Positions);
 const EXTENDED: NamedFilter = named("extended", Reports::All);
 
 const fn named(name: &'static str, reports: Reports) -> NamedFilter {
-    let motion = AnyMotion::ConstantVelocity(ConstantVelocity {
+    let calm = ConstantVelocity {
         spectral_density: 1.0,
-    });
+    };
     NamedFilter {
-        filter: AnyFilter::Plane {
-            motion,
+        filter: AnyFilter::Plane(PlaceFilter {
+            movement: Movement::Single(AnyMotion::ConstantVelocity(calm)),
             way: Way::Line,
             reports,
-        },
+            vertical: calm,
+        }),
         name,
     }
 }
@@ -363,5 +364,106 @@ fn bearings_from_two_places_are_refused() {
     assert!(
         found[0].detail.contains("sensors 'a' and 'b' stand apart"),
         "{found:?}"
+    );
+}
+
+/// Reports 100 m to 900 m high, of a radar of space.
+fn of_space(settings: &SensorSettings) -> (Sensor, Vec<String>) {
+    let seen = |elevation_deg: f64, bearing_rad: f64| Measurement::RangeBearingElevation {
+        range_m: 1000.0,
+        bearing_rad,
+        elevation_rad: elevation_deg.to_radians(),
+        range_rate_mps: None,
+    };
+    let recording = recording(&[seen(30.0, 0.0), seen(-30.0, 1.0), seen(10.0, 3.0)]);
+    let known = SensorSettings {
+        x_m: Some(5.0),
+        y_m: Some(6.0),
+        z_m: Some(7.0),
+        p_d: Some(0.9),
+        sigma_range_m: Some(10.0),
+        sigma_bearing_deg: Some(0.5),
+        ..SensorSettings::named("radar")
+    };
+    let (known, mut warnings) = ([known.overridden_by(settings)], Vec::new());
+    let filter = EXTENDED.within(Space::Volume);
+    let sensors = resolve(&recording, &known, &filter, &mut warnings).unwrap();
+    (sensors[0].clone(), warnings)
+}
+
+fn spherical(sensor: &Sensor) -> crate::model::sensing::Spherical {
+    match sensor.report {
+        MeasurementModel::Spherical(spherical) => spherical,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_radar_of_space_has_a_site_and_says_over_what_its_clutter_is_stated() {
+    let sigma_elevation_deg = Some(0.25);
+    let per_m3 = SensorSettings {
+        clutter_per_m3: Some(1e-9),
+        sigma_elevation_deg,
+        ..SensorSettings::named("radar")
+    };
+    let (sensor, warnings) = of_space(&per_m3);
+    let told = spherical(&sensor);
+    assert_eq!(warnings, Vec::<String>::new());
+    assert_eq!((sensor.clutter_density, told.clutter_span), (1e-9, None));
+    assert_eq!(
+        told.site.place_m,
+        crate::model::space::Place::new(5.0, 6.0, 7.0)
+    );
+    assert_eq!(told.sigma_elevation_rad, Some(0.25f64.to_radians()));
+    assert!(sensor.may_start);
+    // Per m² of ground it is spread over the 1 000 m between 30 degrees down and up.
+    let per_m2 = SensorSettings {
+        clutter_per_m2: Some(1e-6),
+        sigma_elevation_deg,
+        ..SensorSettings::named("radar")
+    };
+    let (sensor, _) = of_space(&per_m2);
+    let span_m = spherical(&sensor).clutter_span.unwrap();
+    assert!((span_m - 1000.0).abs() < 1e-9, "{span_m}");
+    assert_eq!(sensor.clutter_density, 1e-6);
+}
+
+#[test]
+fn what_nobody_says_of_a_radar_of_space_is_assumed_with_a_warning() {
+    let (sensor, warnings) = of_space(&SensorSettings::named("radar"));
+    assert_eq!(
+        spherical(&sensor).sigma_elevation_rad,
+        Some(0.5f64.to_radians())
+    );
+    let [elevations, clutter] = warnings.as_slice() else {
+        panic!("{warnings:?}")
+    };
+    assert!(
+        elevations.contains("that of its bearings, 0.5 deg, is assumed"),
+        "{elevations}"
+    );
+    assert!(
+        clutter.contains("per m³ is estimated from the data"),
+        "{clutter}"
+    );
+}
+
+#[test]
+fn densities_of_space_are_none_of_the_plane() {
+    let per_m3 = SensorSettings {
+        clutter_per_m3: Some(1e-9),
+        ..SensorSettings::named("radar")
+    };
+    let of_places = MeasurementModel::Position {
+        sigma_x_m: 1.0,
+        sigma_y_m: 1.0,
+    };
+    let found = misplaced(&per_m3, of_places);
+    assert_eq!(
+        found,
+        [(
+            "/sensors/1/clutter_per_m3".to_owned(),
+            "clutter_per_m2".to_owned()
+        )]
     );
 }

@@ -181,7 +181,10 @@ fn turns(found: &[Found], rows: &[usize]) -> bool {
 }
 
 fn bearing_of(found: &Found) -> f64 {
-    match found.detection.map(|detection| detection.measurement) {
+    match found
+        .detection
+        .map(|detection| detection.measurement.flat())
+    {
         Some(
             Measurement::RangeBearing { bearing_rad, .. } | Measurement::Bearing { bearing_rad },
         ) => bearing_rad.rem_euclid(std::f64::consts::TAU),
@@ -292,7 +295,10 @@ fn assemble(
                 continue;
             };
             detection.origin = detection.origin.map(|origin| target_place[origin as usize]);
-            if let (Some(plane), Measurement::Position { x_m, y_m }) = (
+            if let (
+                Some(plane),
+                Measurement::Position { x_m, y_m } | Measurement::Position3 { x_m, y_m, .. },
+            ) = (
                 plane.filter(|_| columns.is_geographic),
                 &mut detection.measurement,
             ) {
@@ -307,9 +313,6 @@ fn assemble(
         }
         parts.scans.push(scan);
     }
-    parts.z_m = columns.z.map_or_else(Vec::new, |_| {
-        column_of(&builder.found, &kept, |one| one.z_m)
-    });
     parts.beside = beside(builder, &kept, columns, has_own_times);
     Recording::new(parts)
 }

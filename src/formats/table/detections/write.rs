@@ -37,6 +37,7 @@ struct Layout {
     position: bool,
     range: bool,
     bearing: bool,
+    elevation: bool,
     range_rate: bool,
     amplitude: bool,
     origin: bool,
@@ -53,31 +54,23 @@ impl Layout {
                 .detections()
                 .any(|detection| wanted(&detection.measurement))
         };
-        let range = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
-        let bearing =
-            range || has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
-        let range_rate = has(|measurement| {
-            matches!(
-                measurement,
-                Measurement::RangeBearing {
-                    range_rate_mps: Some(_),
-                    ..
-                }
-            )
-        });
+        let range =
+            has(|measurement| matches!(measurement.flat(), Measurement::RangeBearing { .. }));
+        let bearing = range || has(Measurement::is_direction);
+        let range_rate = has(|measurement| polar_of(measurement).3.is_some());
         let amplitude = recording
             .detections()
             .any(|detection| detection.amplitude.is_some());
-        let position =
-            !bearing || has(|measurement| matches!(measurement, Measurement::Position { .. }));
+        let position = !bearing || has(|measurement| measurement.position().is_some());
         Layout {
             position,
             range,
             bearing,
+            elevation: has(|measurement| measurement.elevation_rad().is_some()),
             range_rate,
             amplitude,
             origin: recording.origins_known,
-            z: recording.is_in_volume(),
+            z: has(|measurement| measurement.z_m().is_some()),
             earth: recording.frame.is_some(),
             height: !recording.beside.heights_m.is_empty(),
         }
@@ -94,6 +87,7 @@ impl Layout {
         columns.extend(self.z.then_some("z_m"));
         columns.extend(self.range.then_some("range_m"));
         columns.extend(self.bearing.then_some("bearing_deg"));
+        columns.extend(self.elevation.then_some("elevation_deg"));
         columns.extend(self.range_rate.then_some("range_rate_mps"));
         columns.extend(self.amplitude.then_some("amplitude"));
         columns.extend(self.origin.then_some("truth_id"));
@@ -121,30 +115,26 @@ fn write_row(
     sink.number(Some(f64::from(scan.number)))?;
     sink.text(Some(&recording.sensors[scan.sensor].sensor_id))?;
     sink.text(found.map(|(index, _)| recording.detection_ids[index].as_str()))?;
-    let (position, range_m, bearing_rad, range_rate_mps) =
-        match detection.map(|detection| detection.measurement) {
-            Some(Measurement::Position { x_m, y_m }) => (Some([x_m, y_m]), None, None, None),
-            Some(Measurement::RangeBearing {
-                range_m,
-                bearing_rad,
-                range_rate_mps,
-            }) => (None, Some(range_m), Some(bearing_rad), range_rate_mps),
-            Some(Measurement::Bearing { bearing_rad }) => (None, None, Some(bearing_rad), None),
-            None => (None, None, None, None),
-        };
+    let measurement = detection.map(|detection| detection.measurement);
+    let position = measurement.and_then(|measurement| measurement.position());
+    let (range_m, bearing_rad, elevation_rad, range_rate_mps) = measurement
+        .as_ref()
+        .map_or((None, None, None, None), polar_of);
     if layout.position {
-        sink.number(position.map(|[x_m, _]| x_m))?;
-        sink.number(position.map(|[_, y_m]| y_m))?;
+        sink.number(position.map(|place_m| place_m.x))?;
+        sink.number(position.map(|place_m| place_m.y))?;
     }
     if layout.z {
-        let z_m = found.and_then(|(index, _)| recording.z_m.get(index).copied());
-        sink.number(z_m.flatten())?;
+        sink.number(measurement.and_then(|measurement| measurement.z_m()))?;
     }
     if layout.range {
         sink.number(range_m)?;
     }
     if layout.bearing {
         sink.number(bearing_rad.map(degrees))?;
+    }
+    if layout.elevation {
+        sink.number(elevation_rad.map(degrees))?;
     }
     if layout.range_rate {
         sink.number(range_rate_mps)?;
@@ -157,6 +147,34 @@ fn write_row(
         sink.text(origin.map(|origin| recording.targets[origin as usize].as_str()))?;
     }
     Ok(())
+}
+
+/// Range, bearing, elevation and range rate, as far as they were measured.
+fn polar_of(measurement: &Measurement) -> (Option<f64>, Option<f64>, Option<f64>, Option<f64>) {
+    match *measurement {
+        Measurement::Position { .. } | Measurement::Position3 { .. } => (None, None, None, None),
+        Measurement::RangeBearing {
+            range_m,
+            bearing_rad,
+            range_rate_mps,
+        } => (Some(range_m), Some(bearing_rad), None, range_rate_mps),
+        Measurement::RangeBearingElevation {
+            range_m,
+            bearing_rad,
+            elevation_rad,
+            range_rate_mps,
+        } => (
+            Some(range_m),
+            Some(bearing_rad),
+            Some(elevation_rad),
+            range_rate_mps,
+        ),
+        Measurement::Bearing { bearing_rad } => (None, Some(bearing_rad), None, None),
+        Measurement::BearingElevation {
+            bearing_rad,
+            elevation_rad,
+        } => (None, Some(bearing_rad), Some(elevation_rad), None),
+    }
 }
 
 /// Where it is on the Earth, how high, and its attributes; ends the row.
