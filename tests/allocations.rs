@@ -99,6 +99,7 @@ fn scene(side: u32) -> (Scenario, Recording) {
         sensor_id: "radar".into(),
         x_m: 0.0,
         y_m: 0.0,
+        course: None,
         max_range_m: Some(2_000.0),
         p_d: 0.9,
         sigma_x_m: Some(10.0),

@@ -177,6 +177,7 @@ fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
         sensor_id: "radar".into(),
         x_m: 0.0,
         y_m: 0.0,
+        course: None,
         max_range_m: Some(max_range_m),
         p_d: P_D,
         sigma_x_m: Some(SIGMA_M),

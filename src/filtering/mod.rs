@@ -10,7 +10,7 @@ use crate::registry::{Field, Kind, Method, Object, Union, default, number, optio
 use bearing_only::BearingOnly;
 use climbing::Climbing;
 use gaussian::GaussianFilter;
-use imm::Models;
+use imm::{Models, RangeParametrised};
 use motions::{AnyMotion, MOTION_KIND, MotionSpec};
 use nalgebra::SVector;
 use serde::Deserialize;
@@ -57,6 +57,12 @@ pub trait Filter<const K: usize>: Copy + Send + 'static {
 
     /// The belief of a target of which these kinematics are known.
     fn begin(&self, kinematics: &GaussianState<K>) -> Self::Belief;
+
+    /// The same where one of several parts is true, with equal probability; `whole` has the moments of all. A filter of one
+    /// Gaussian takes the whole, and so do all where there are no parts.
+    fn begin_among(&self, whole: &GaussianState<K>, _parts: &[GaussianState<K>]) -> Self::Belief {
+        self.begin(whole)
+    }
 
     fn kinematics(belief: &Self::Belief) -> GaussianState<K>;
 
@@ -130,6 +136,11 @@ pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
 
     /// The kinematics that one report alone tells, if it says where the target is.
     fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<K>>;
+
+    /// As of [`crate::model::sensing::Sensing::parts`], for a filter that begins among several.
+    fn parts(&self, _report: &SVector<f64, D>, _rate_sigma: f64) -> Vec<GaussianState<K>> {
+        Vec::new()
+    }
 }
 
 /// Work that is compiled for each kind of report.
@@ -153,6 +164,8 @@ pub enum AnyFilter {
     Plane(PlaceFilter),
     /// Of places in space.
     Volume(PlaceFilter),
+    /// Of places in the plane, where a bearing may start a track at several ranges.
+    Ranges(RangeParametrised),
     /// Of directions.
     Bearing(BearingOnly),
 }
@@ -241,6 +254,7 @@ impl AnyFilter {
     pub fn with<W: WithFilter>(&self, work: W) -> W::Output {
         match *self {
             AnyFilter::Bearing(filter) => work.of_bearings(filter.build()),
+            AnyFilter::Ranges(filter) => work.in_plane(filter),
             AnyFilter::Plane(filter) => filter.with_in_plane(work),
             AnyFilter::Volume(filter) => filter.with_in_volume(work),
         }
@@ -272,8 +286,28 @@ impl AnyFilter {
     fn places(&self) -> Option<&PlaceFilter> {
         match self {
             AnyFilter::Plane(filter) | AnyFilter::Volume(filter) => Some(filter),
-            AnyFilter::Bearing(_) => None,
+            AnyFilter::Ranges(_) | AnyFilter::Bearing(_) => None,
         }
+    }
+
+    /// The filter that starts tracks at several ranges and is this one otherwise. `None` where its targets have more than a
+    /// position and a velocity, or several motions, or are in space.
+    pub fn at_ranges(&self) -> Option<Self> {
+        let AnyFilter::Plane(PlaceFilter {
+            movement: Movement::Single(motion),
+            way,
+            reports,
+            ..
+        }) = *self
+        else {
+            return None;
+        };
+        let ranges = RangeParametrised {
+            motion,
+            way,
+            reports,
+        };
+        (!motion.has_more_than_kinematics()).then_some(AnyFilter::Ranges(ranges))
     }
 
     /// Whether the kinematics of a target say all that the filter believes of it.
@@ -281,7 +315,7 @@ impl AnyFilter {
         match self.places().map(|filter| &filter.movement) {
             Some(Movement::Single(motion)) => !motion.has_more_than_kinematics(),
             Some(Movement::Several(_)) => false,
-            None => true,
+            None => !matches!(self, AnyFilter::Ranges(_)),
         }
     }
 
@@ -305,14 +339,18 @@ impl AnyFilter {
     pub fn space(&self) -> Space {
         match self {
             AnyFilter::Bearing(_) => Space::Bearing,
-            AnyFilter::Plane(_) => Space::Plane,
+            AnyFilter::Plane(_) | AnyFilter::Ranges(_) => Space::Plane,
             AnyFilter::Volume(_) => Space::Volume,
         }
     }
 
     fn uses(&self, any_of: &[Reports]) -> bool {
-        self.places()
-            .is_some_and(|filter| any_of.contains(&filter.reports))
+        match self {
+            AnyFilter::Plane(PlaceFilter { reports, .. })
+            | AnyFilter::Volume(PlaceFilter { reports, .. })
+            | AnyFilter::Ranges(RangeParametrised { reports, .. }) => any_of.contains(reports),
+            AnyFilter::Bearing(_) => false,
+        }
     }
 }
 

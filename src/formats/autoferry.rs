@@ -18,6 +18,7 @@ use super::{Format, ReadOptions, ReadOutcome, refuse_columns};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::names::natural_order;
+use crate::model::pose::Pose;
 use crate::model::scan::{Detection, Recording, RecordingParts, Scan};
 use crate::model::sensor::SensorSettings;
 use crate::model::space::Space;
@@ -125,7 +126,7 @@ fn recording(ferry_scans: &[FerryScan]) -> Result<Recording, Vec<Fault>> {
             number: index as u32 + 1,
             time_s: scan.time_s,
             sensor,
-            pose: None,
+            pose: Some(Pose::at(scan.place_m.push(0.0))),
             detections: scan.measurements.iter().map(detection).collect(),
         });
     }

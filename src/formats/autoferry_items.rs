@@ -18,6 +18,8 @@ pub(super) struct FerryScan {
     /// Index into [`SENSORS`].
     pub sensor: usize,
     pub time_s: f64,
+    /// Of the ferry.
+    pub place_m: Position,
     pub measurements: Vec<Measurement>,
     /// Its place in the file.
     pub item: usize,
@@ -264,10 +266,11 @@ impl ScanFields {
         if measurements.is_none() {
             faults.push(Fault::new(pointer("/measurement"), "wrong_type", expected));
         }
-        let (time_s, _, measurements) = (time_s?, ownship?, measurements?);
+        let (time_s, [north_m, east_m], measurements) = (time_s?, ownship?, measurements?);
         Some(FerryScan {
             sensor,
             time_s,
+            place_m: Position::new(east_m, north_m),
             measurements,
             item,
         })

@@ -147,6 +147,22 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         filter.correct(report, work).flatten()
     }
 
+    /// The parts of those kinematics, where the filter begins among several.
+    pub fn parts(
+        &self,
+        filter: &F,
+        report: &MeasurementModel,
+        speed_sigma_mps: f64,
+        detection: usize,
+    ) -> Vec<GaussianState<K>> {
+        let work = LocatingParts(Locating {
+            detections: &self.detections,
+            detection,
+            rate_sigma: filter.rate_sigma(speed_sigma_mps),
+        });
+        filter.correct(report, work).unwrap_or_default()
+    }
+
     pub fn problem(&self) -> &ScanProblem {
         &self.problem
     }
@@ -214,6 +230,11 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
     #[inline]
     pub fn mark_used(&mut self, detection: u32) {
         self.detections.used[detection as usize] = true;
+    }
+
+    #[inline]
+    pub fn is_used(&self, detection: usize) -> bool {
+        self.detections.used[detection]
     }
 
     /// Detections that no track uses.
@@ -392,5 +413,16 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Locating<'_> {
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
         let values = self.detections.points::<D>()[self.detection];
         corrector.locate(&values.into(), self.rate_sigma)
+    }
+}
+
+struct LocatingParts<'a>(Locating<'a>);
+
+impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for LocatingParts<'_> {
+    type Output = Vec<GaussianState<K>>;
+
+    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
+        let values = self.0.detections.points::<D>()[self.0.detection];
+        corrector.parts(&values.into(), self.0.rate_sigma)
     }
 }

@@ -1,5 +1,6 @@
 //! What is known of a recording without reading it again: enough to tell whether a request can work with it.
 
+use super::pose::{Attitude, Pose};
 use super::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use super::sensor::SensorSettings;
 use serde::{Deserialize, Serialize};
@@ -33,6 +34,11 @@ pub struct SensorFacts {
     pub elevations: u64,
     #[serde(default, skip_serializing_if = "is_zero")]
     pub bearing_elevations: u64,
+    /// Scans that say where the sensor is, and how it is turned.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub poses: u64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub headings: u64,
 }
 
 fn is_zero(count: &u64) -> bool {
@@ -50,6 +56,9 @@ impl RecordingFacts {
         for scan in &recording.scans {
             let facts = &mut sensors[scan.sensor];
             facts.scans += 1;
+            facts.poses += u64::from(scan.pose.is_some());
+            let is_turned = scan.pose.is_some_and(|pose| pose.attitude.is_some());
+            facts.headings += u64::from(is_turned);
             scan.detections
                 .iter()
                 .for_each(|detection| facts.count(detection));
@@ -90,7 +99,7 @@ impl RecordingFacts {
                 number: sensor as u32 + 1,
                 time_s: 0.0,
                 sensor,
-                pose: None,
+                pose: facts.pose(),
                 detections: facts.measurements().map(detection).collect(),
             });
         }
@@ -116,6 +125,8 @@ impl SensorFacts {
             heights: 0,
             elevations: 0,
             bearing_elevations: 0,
+            poses: 0,
+            headings: 0,
         }
     }
 
@@ -143,6 +154,16 @@ impl SensorFacts {
                 self.bearing_elevations += 1;
             }
         }
+    }
+
+    /// That of a scan, where all have one.
+    fn pose(&self) -> Option<Pose> {
+        let is_moving = self.scans > 0 && self.poses == self.scans;
+        let is_turned = self.headings == self.scans;
+        is_moving.then(|| Pose {
+            attitude: is_turned.then(Attitude::default),
+            ..Pose::default()
+        })
     }
 
     /// Where all ranges have an elevation so has the sample, else none: that is how they are used.

@@ -14,6 +14,8 @@ pub mod fault;
 pub mod modes;
 pub mod motion;
 pub mod names;
+pub mod pose;
+pub mod relative_bearings;
 pub mod scan;
 pub mod scan_numbers;
 pub mod scenario;

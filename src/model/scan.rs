@@ -2,9 +2,10 @@
 
 use super::beside::Beside;
 use super::fault::Fault;
+use super::pose::Pose;
 use super::scan_numbers;
 use super::sensor::SensorSettings;
-use super::space::{Frame, Pose};
+use super::space::Frame;
 use super::state::Position;
 use super::time::TimeBase;
 use std::ops::Range;
@@ -424,7 +425,7 @@ fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {
             faults.push(Fault::new(
                 pointer(),
                 "not_finite",
-                "the sensor's place is not of finite numbers",
+                "the sensor's pose is not of finite numbers",
             ));
         }
         if scan.sensor >= parts.sensors.len() {

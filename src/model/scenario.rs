@@ -72,6 +72,9 @@ pub struct ScenarioSensor {
     pub sensor_id: String,
     pub x_m: f64,
     pub y_m: f64,
+    /// Of a sensor that moves from there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub course: Option<SensorCourse>,
     /// In place of `x_m` and `y_m` where the scene has an origin on the Earth.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lat_deg: Option<f64>,
@@ -127,6 +130,14 @@ pub struct InSpace {
 
 /// How high false detections lie where a scenario does not say it.
 const CLUTTER_HEIGHT_M: f64 = 10_000.0;
+
+/// How a sensor moves from time 0: leg by leg, then straight on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SensorCourse {
+    pub vx_mps: f64,
+    pub vy_mps: f64,
+    pub segments: Vec<Segment>,
+}
 
 impl ScenarioSensor {
     /// How far above the sensor its false detections reach, if it tells heights.

@@ -104,6 +104,37 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub clutter: Option<ClutterSettings>,
+    /// What bearings are counted from; north when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub bearings: Option<BearingReference>,
+    /// Nearest range of a target that a bearing alone starts a track of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub range_min_m: Option<f64>,
+    /// Farthest range of such a target.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub range_max_m: Option<f64>,
+    /// At how many ranges between them such a track starts at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub range_filters: Option<u32>,
+    /// Time after which errors of successive reports are independent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub error_correlation_s: Option<f64>,
+}
+
+/// What bearings are counted from, clockwise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum BearingReference {
+    /// North.
+    True,
+    /// The bow of what carries the sensor.
+    Relative,
 }
 
 impl SensorSettings {
@@ -122,6 +153,7 @@ impl SensorSettings {
         const LONGITUDE: (&str, fn(f64) -> bool) = ("-180 to 180", |value| value.abs() <= 180.0);
         const PROBABILITY: (&str, fn(f64) -> bool) =
             ("(0, 1]", |value| value > 0.0 && value <= 1.0);
+        const RANGES: (&str, fn(f64) -> bool) = ("1 to 12", |value| (1.0..=12.0).contains(&value));
         let checks = [
             ("x_m", self.x_m, FINITE),
             ("y_m", self.y_m, FINITE),
@@ -144,6 +176,10 @@ impl SensorSettings {
             ("p_fa", self.p_fa, PROBABILITY),
             ("sigma_z_m", self.sigma_z_m, POSITIVE),
             ("sigma_elevation_deg", self.sigma_elevation_deg, POSITIVE),
+            ("range_min_m", self.range_min_m, POSITIVE),
+            ("range_max_m", self.range_max_m, POSITIVE),
+            ("range_filters", self.range_filters.map(f64::from), RANGES),
+            ("error_correlation_s", self.error_correlation_s, POSITIVE),
         ];
         let misfits = checks
             .into_iter()
@@ -187,6 +223,11 @@ impl SensorSettings {
             p_d_at_m: other.p_d_at_m.or(self.p_d_at_m),
             p_fa: other.p_fa.or(self.p_fa),
             clutter: other.clutter.or(self.clutter),
+            bearings: other.bearings.or(self.bearings),
+            range_min_m: other.range_min_m.or(self.range_min_m),
+            range_max_m: other.range_max_m.or(self.range_max_m),
+            range_filters: other.range_filters.or(self.range_filters),
+            error_correlation_s: other.error_correlation_s.or(self.error_correlation_s),
         }
     }
 }

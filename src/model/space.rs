@@ -1,4 +1,4 @@
-//! The space that truth, tracks or detections lie in, where on the Earth its origin is, and where in it a sensor is.
+//! The space that truth, tracks or detections lie in, and where on the Earth its origin is.
 
 use super::fault::Fault;
 use super::state::packed_len;
@@ -71,19 +71,6 @@ impl Space {
             place.x = place.x.rem_euclid(TAU);
         }
         place
-    }
-}
-
-/// Where a sensor is at one scan.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    /// East, north, up (m).
-    pub place: Place,
-}
-
-impl Pose {
-    pub fn is_finite(&self) -> bool {
-        self.place.iter().all(|value| value.is_finite())
     }
 }
 

@@ -1,4 +1,4 @@
-//! The course of a target that manoeuvres: legs one after another, each exact. Straight, on a circle at a constant rate, or with a
+//! The course of a target that manoeuvres, or of a sensor: legs one after another, each exact. Straight, on a circle at a constant rate, or with a
 //! constant acceleration along its heading; after the last one it goes on straight.
 
 use crate::model::scenario::{ManeuveringTarget, Segment};
@@ -50,15 +50,31 @@ fn turned(vector: Position, angle_rad: f64) -> Position {
 
 impl Course {
     pub fn of(target: &ManeuveringTarget) -> Self {
-        let mut legs = Vec::with_capacity(target.segments.len() + 1);
+        let start = (
+            Position::new(target.x_m, target.y_m),
+            Position::new(target.vx_mps, target.vy_mps),
+        );
+        Course {
+            until_s: target.end_s.unwrap_or(f64::INFINITY),
+            ..Course::from_leg(target.start_s, start, &target.segments)
+        }
+    }
+
+    /// From a place, with a velocity there, without end.
+    pub fn from_leg(
+        from_s: f64,
+        (position_m, velocity_mps): (Position, Position),
+        segments: &[Segment],
+    ) -> Self {
+        let mut legs = Vec::with_capacity(segments.len() + 1);
         let mut leg = Leg {
-            from_s: target.start_s,
-            position_m: Position::new(target.x_m, target.y_m),
-            velocity_mps: Position::new(target.vx_mps, target.vy_mps),
+            from_s,
+            position_m,
+            velocity_mps,
             turn_rate_radps: 0.0,
             acceleration_mps2: Position::zeros(),
         };
-        for segment in &target.segments {
+        for segment in segments {
             (leg.turn_rate_radps, leg.acceleration_mps2) = (0.0, Position::zeros());
             match *segment {
                 Segment::Straight { .. } => {}
@@ -79,8 +95,8 @@ impl Course {
         (leg.turn_rate_radps, leg.acceleration_mps2) = (0.0, Position::zeros());
         legs.push(leg);
         Course {
-            from_s: target.start_s,
-            until_s: target.end_s.unwrap_or(f64::INFINITY),
+            from_s,
+            until_s: f64::INFINITY,
             legs,
         }
     }

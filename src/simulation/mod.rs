@@ -1,6 +1,7 @@
 //! Plays a scenario: targets move, sensors detect them with noise, misses and clutter; true origins are known.
 
 mod bearing_time;
+mod carriers;
 mod course;
 mod coverage;
 mod echoes;
@@ -13,6 +14,7 @@ mod targets;
 mod weaving;
 
 pub use bearing_time::{RECORD, SimulatedRecord, row_count, simulate_record};
+pub use carriers::first_pose;
 pub use local_tracks::{LOCAL_TRACKS, LocalTracks, SensorTracks, simulate_local_tracks};
 pub use sensors::settings as sensor_settings;
 pub use targets::fastest_mps;
@@ -102,6 +104,18 @@ pub fn simulate(
     simulate_recorded(scenario, None, seed, progress)
 }
 
+/// What a recording says besides its scans.
+fn without_scans(scenario: &Scenario, truth: &TruthSet) -> RecordingParts {
+    let targets = truth.targets().iter();
+    RecordingParts {
+        frame: scenario.origin,
+        sensors: scenario.sensors.iter().map(sensors::settings).collect(),
+        targets: targets.map(|target| target.truth_id.clone()).collect(),
+        origins_known: true,
+        ..Default::default()
+    }
+}
+
 /// The same; the targets may be those of a recorded truth.
 ///
 /// # Errors
@@ -128,19 +142,10 @@ pub fn simulate_recorded(
         .map(|scan| start_s + f64::from(scan) * scenario.scan_period_s)
         .collect();
     let coverage = coverage::Coverage::new(scenario, seed);
-    let (mut truth, seen) = observed_truth(scenario, &paths, &coverage, &times)?;
+    let carriers = carriers::Carriers::new(scenario);
+    let (mut truth, seen) = observed_truth(scenario, &paths, (&coverage, &carriers), &times)?;
     truth.frame = scenario.origin;
-    let mut parts = RecordingParts {
-        frame: scenario.origin,
-        sensors: scenario.sensors.iter().map(sensors::settings).collect(),
-        targets: truth
-            .targets()
-            .iter()
-            .map(|target| target.truth_id.clone())
-            .collect(),
-        origins_known: true,
-        ..Default::default()
-    };
+    let mut parts = without_scans(scenario, &truth);
     let fastest_mps = paths
         .iter()
         .map(targets::Path::speed_mps)
@@ -153,6 +158,7 @@ pub fn simulate_recorded(
                 index,
                 noise: sensor.noise()?,
                 coverage: &coverage,
+                carriers: &carriers,
                 fastest_mps,
                 space: scenario.targets.space(),
                 site: sites[index],
@@ -163,6 +169,9 @@ pub fn simulate_recorded(
         for radar in radars() {
             let found = radar::scan(radar, index as u64, time_s, &paths, &seen, seed);
             append_scan(&mut parts, radar.index, time_s, found);
+            if let Some(scan) = parts.scans.last_mut() {
+                scan.pose = carriers.pose(radar.index, time_s);
+            }
         }
         if progress(index as u64 + 1).is_break() {
             return Ok(None);
@@ -240,7 +249,7 @@ fn duplicate_faults<'a>(
 fn observed_truth(
     scenario: &Scenario,
     paths: &[targets::Path],
-    coverage: &coverage::Coverage,
+    (coverage, carriers): (&coverage::Coverage, &carriers::Carriers),
     times: &[f64],
 ) -> Result<(TruthSet, Vec<Option<u32>>), Vec<Fault>> {
     let mut observed = Vec::new();
@@ -254,7 +263,11 @@ fn observed_truth(
             let mut sensors = scenario.sensors.iter().enumerate();
             sensors.any(|(sensor_index, sensor)| {
                 coverage.includes(sensor_index, index)
-                    && radar::is_in_view(sensor, scenario.targets.space(), &point)
+                    && radar::is_in_view(
+                        (sensor, carriers.place_m(sensor_index, *time_s)),
+                        scenario.targets.space(),
+                        &point,
+                    )
             })
         };
         let first = times.iter().position(is_visible);

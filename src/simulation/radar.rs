@@ -3,6 +3,7 @@
 //! bearings has false detections near targets only, those elsewhere are left out: the others stay what they were, and where
 //! targets are close together each degree counts once.
 
+use super::carriers::Carriers;
 use super::coverage::Coverage;
 use super::echoes::Echoes;
 use super::targets::Path;
@@ -26,6 +27,7 @@ pub(super) struct Radar<'a> {
     pub index: usize,
     pub noise: ReportNoise,
     pub coverage: &'a Coverage,
+    pub carriers: &'a Carriers,
     /// Speed of the fastest target of the scene: range rates of false detections are uniform between it and its opposite.
     pub fastest_mps: f64,
     /// Of the targets.
@@ -35,12 +37,16 @@ pub(super) struct Radar<'a> {
 }
 
 /// Whether a place is inside the sensor's field of view: directions always are. In space that is a half ball.
-pub(super) fn is_in_view(sensor: &ScenarioSensor, space: Space, point: &TruthPoint) -> bool {
-    let from_m = Place::new(sensor.x_m, sensor.y_m, sensor.in_space.z_m.unwrap_or(0.0));
+pub(super) fn is_in_view(
+    (sensor, place_m): (&ScenarioSensor, Position),
+    space: Space,
+    point: &TruthPoint,
+) -> bool {
+    let from_m = Place::new(place_m.x, place_m.y, sensor.in_space.z_m.unwrap_or(0.0));
     let range_m = if space == Space::Volume {
         (point.position - from_m).norm()
     } else {
-        (point.position.xy() - from_m.xy()).norm()
+        (point.position.xy() - place_m).norm()
     };
     let is_near = |max_range_m| range_m <= max_range_m;
     !space.has_places() || sensor.max_range_m.is_some_and(is_near)
@@ -64,7 +70,7 @@ pub(super) fn scan(
         }
         let point = path.point_at(time_s);
         if radar.coverage.includes(radar.index, index)
-            && is_in_view(radar.sensor, radar.space, &point)
+            && is_in_view((radar.sensor, radar.place_m(time_s)), radar.space, &point)
         {
             bearings_rad.push(radar.bearing_rad(&point).rem_euclid(TAU));
             let entity = ((radar.index as u64) << 32) | index as u64;
@@ -83,7 +89,7 @@ pub(super) fn scan(
         }
     }
     bearings_rad.sort_by(f64::total_cmp);
-    radar.add_clutter(scan_index, &bearings_rad, seed, &mut found);
+    radar.add_clutter((scan_index, time_s), &bearings_rad, seed, &mut found);
     found
 }
 
@@ -91,7 +97,7 @@ impl Radar<'_> {
     /// `bearings_rad`: where the targets in view really are, in rising order.
     fn add_clutter(
         &self,
-        scan_index: u64,
+        (scan_index, time_s): (u64, f64),
         bearings_rad: &[f64],
         seed: Seed,
         found: &mut Vec<Detection>,
@@ -101,7 +107,7 @@ impl Radar<'_> {
         let Ok(count) = Poisson::new(sensor.mean_clutter()) else {
             return;
         };
-        let echoes = Echoes::of(sensor);
+        let (echoes, place_m) = (Echoes::of(sensor), self.place_m(time_s));
         let mut draw = seed.stream(Purpose::Clutter, self.index as u64, scan_index);
         let mut strength = seed.stream(Purpose::Amplitude, self.all_noise(), scan_index);
         let number = count.sample(&mut draw) as u64;
@@ -109,8 +115,8 @@ impl Radar<'_> {
             let range_m = sensor.max_range_m.unwrap_or(0.0) * draw.random::<f64>().sqrt();
             let bearing_rad = TAU * draw.random::<f64>();
             let (x_m, y_m) = (
-                sensor.x_m + range_m * bearing_rad.sin(),
-                sensor.y_m + range_m * bearing_rad.cos(),
+                place_m.x + range_m * bearing_rad.sin(),
+                place_m.y + range_m * bearing_rad.cos(),
             );
             let measurement = match self.noise {
                 _ if sensor.tells_heights() => {
@@ -165,12 +171,17 @@ impl Radar<'_> {
             .any(|other| wrap(bearing_rad - other).abs() <= within_deg.to_radians())
     }
 
+    fn place_m(&self, time_s: f64) -> Position {
+        self.carriers.place_m(self.index, time_s)
+    }
+
     /// The direction of a target.
     fn bearing_rad(&self, point: &TruthPoint) -> f64 {
         match self.space {
             Space::Bearing => point.position.x,
             Space::Plane => {
-                (point.position.x - self.sensor.x_m).atan2(point.position.y - self.sensor.y_m)
+                let offset_m = point.position.xy() - self.place_m(point.time_s);
+                offset_m.x.atan2(offset_m.y)
             }
             Space::Volume => {
                 let offset_m = self.offset_m(point);
@@ -319,14 +330,15 @@ impl Radar<'_> {
                 },
                 _,
             ) => {
-                let offset_m =
-                    point.position.xy() - Position::new(self.sensor.x_m, self.sensor.y_m);
+                let offset_m = point.position.xy() - self.place_m(point.time_s);
+                let pose = self.carriers.pose(self.index, point.time_s);
+                let own_mps = pose.map_or_else(Position::zeros, |pose| pose.velocity.xy());
                 // A range below 0 would be one in the opposite direction, which no sensor reports.
                 let range_m = (offset_m.norm() + errors[0] * sigma_range_m).abs();
                 let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
-                let approach_mps = point
-                    .velocity
-                    .map_or(0.0, |velocity_mps| towards.dot(&velocity_mps.xy()));
+                let approach_mps = point.velocity.map_or(0.0, |velocity_mps| {
+                    towards.dot(&(velocity_mps.xy() - own_mps))
+                });
                 let range_rate_mps =
                     sigma_range_rate_mps.map(|sigma_mps| approach_mps + errors[2] * sigma_mps);
                 Some(Measurement::RangeBearing {

@@ -36,6 +36,13 @@ pub(super) fn faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario)
                 .allowing("> 0 m"),
         );
     }
+    if sensor.course.is_some() && targets.space() != Space::Plane {
+        let detail = "a sensor moves where targets are in the plane";
+        faults.push(
+            Fault::new(format!("/sensors/{index}/course"), "conflict", detail)
+                .allowing("no course"),
+        );
+    }
     if sensor.snr_db.is_some() && scenario.record.is_some() {
         let detail = "a detector tells how strong what it finds in a record is";
         faults.push(
@@ -146,8 +153,8 @@ pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
     let reports_bearings = reports_bearings(sensor);
     SensorSettings {
         sensor_id: sensor.sensor_id.clone(),
-        x_m: Some(sensor.x_m),
-        y_m: Some(sensor.y_m),
+        x_m: Some(sensor.x_m).filter(|_| sensor.course.is_none()),
+        y_m: Some(sensor.y_m).filter(|_| sensor.course.is_none()),
         max_range_m: sensor.max_range_m,
         p_d: Some(sensor.p_d),
         clutter_per_m2: sensor

@@ -15,7 +15,7 @@ use trackloom_domain::model::angle;
 use trackloom_domain::model::motion::constant_acceleration::ConstantAcceleration;
 use trackloom_domain::model::motion::constant_velocity::ConstantVelocity;
 use trackloom_domain::model::scan::Measurement;
-use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
+use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Platform, Polar, RangeRate};
 use trackloom_domain::model::sensor::Sensor;
 use trackloom_domain::model::state::{GaussianState, Position};
 
@@ -82,6 +82,7 @@ fn polar_with(sigma_bearing_rad: f64, range_rate: Option<RangeRate>) -> Sensor {
         sigma_range_m: 15.0,
         sigma_bearing_rad,
         range_rate,
+        platform: Platform::STANDING,
     }))
 }
 
@@ -232,6 +233,8 @@ fn bearing_only_covariances_stay_definite_over_a_million_updates() {
     let sonar = sensor(MeasurementModel::Bearing(Bearing {
         place_m: Position::zeros(),
         sigma_bearing_rad: 0.01,
+        platform: Platform::STANDING,
+        range_prior: None,
     }));
     let filter = BearingOnly {
         process_noise_rad2ps3: 1e-6,
@@ -422,6 +425,7 @@ fn on_a_linear_measurement_all_filters_are_the_kalman_filter() {
         sigma_range_m: 5.2,
         sigma_bearing_rad: 15.0 / far_m,
         range_rate: None,
+        platform: Platform::STANDING,
     };
     let far = sensor(MeasurementModel::Polar(polar));
     assert_equal_states(&linear, &estimate(&extended(), &far, &errors), 1e-3);

@@ -205,3 +205,43 @@ fn a_job_that_did_not_gate_in_the_plane_has_no_gates() {
     ));
     assert!(!has_gates("wang-bat-record", json!({})));
 }
+
+/// In space a gate is drawn as its shadow on the ground.
+#[test]
+fn gates_of_space_are_drawn_on_the_ground() {
+    let done = done("two-radars", json!({}));
+    let known = (&done.recording, &done.sensors[..]);
+    let found = compute_gates(&done.spec, known, &done.tracks, |_| true).unwrap();
+    // χ² of three values at 0.99999.
+    assert!(
+        (found.threshold - 25.901_750).abs() < 1e-3,
+        "{}",
+        found.threshold
+    );
+    let track = done
+        .tracks
+        .tracks
+        .iter()
+        .max_by_key(|track| track.points.len());
+    let track = track.unwrap();
+    let gates: Vec<&Gate> = found
+        .gates
+        .iter()
+        .filter(|gate| gate.track_id == track.track_id)
+        .collect();
+    assert!(gates.len() > 150, "{}", gates.len());
+    for gate in gates {
+        let Region::Plane { covariance_m2 } = gate.region else {
+            panic!("{:?}", gate.region)
+        };
+        let point = track.points.iter().find(|point| {
+            point.time_s == gate.time_s
+                && point
+                    .sensor
+                    .is_some_and(|sensor| done.tracks.sensor_ids[sensor as usize] == gate.sensor_id)
+        });
+        let off_m = point.unwrap().estimate.position_m() - gate.place_m;
+        let squared = (off_m.transpose() * covariance_m2.try_inverse().unwrap() * off_m)[0];
+        assert!(squared < found.threshold, "{squared} at {}", gate.time_s);
+    }
+}

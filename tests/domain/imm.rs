@@ -17,7 +17,7 @@ use trackloom_domain::model::motion::constant_acceleration::ConstantAcceleration
 use trackloom_domain::model::motion::constant_velocity::ConstantVelocity;
 use trackloom_domain::model::motion::unknown_turn::UnknownTurn;
 use trackloom_domain::model::scan::Measurement;
-use trackloom_domain::model::sensing::{MeasurementModel, Polar};
+use trackloom_domain::model::sensing::{MeasurementModel, Platform, Polar};
 use trackloom_domain::model::state::{GaussianState, Position};
 
 fn velocity(spectral_density: f64) -> AnyMotion {
@@ -327,6 +327,7 @@ const RADAR: MeasurementModel = MeasurementModel::Polar(Polar {
     sigma_range_m: 15.0,
     sigma_bearing_rad: 0.005,
     range_rate: None,
+    platform: Platform::STANDING,
 });
 
 /// Both filters over forty reports of one target; asserts that they tell the same.

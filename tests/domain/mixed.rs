@@ -20,7 +20,7 @@ use trackloom_domain::hypotheses::certain::{locate, update};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::dataset::Dataset;
 use trackloom_domain::model::scan::{Measurement, Recording};
-use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
+use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Platform, Polar, RangeRate};
 use trackloom_domain::model::sensor::{Sensor, SensorSettings};
 use trackloom_domain::model::state::Position;
 use trackloom_domain::model::track::{TrackPoint, TrackSet, TrackStatus};
@@ -162,6 +162,8 @@ fn model_of(settings: &SensorSettings) -> MeasurementModel {
         return MeasurementModel::Bearing(Bearing {
             place_m,
             sigma_bearing_rad,
+            platform: Platform::STANDING,
+            range_prior: None,
         });
     };
     let rate = |sigma_mps| RangeRate {
@@ -173,6 +175,7 @@ fn model_of(settings: &SensorSettings) -> MeasurementModel {
         sigma_range_m,
         sigma_bearing_rad,
         range_rate: settings.sigma_range_rate_mps.map(rate),
+        platform: Platform::STANDING,
     })
 }
 

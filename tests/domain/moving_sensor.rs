@@ -5,10 +5,11 @@ use trackloom_domain::association::ASSOCIATORS;
 use trackloom_domain::filtering::AnyFilter;
 use trackloom_domain::hypotheses::certain;
 use trackloom_domain::math::rng::Seed;
+use trackloom_domain::model::pose::Pose;
 use trackloom_domain::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
-use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Polar};
+use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Platform, Polar};
 use trackloom_domain::model::sensor::{Sensor, SensorSettings};
-use trackloom_domain::model::space::{Place, Pose};
+use trackloom_domain::model::space::Place;
 use trackloom_domain::model::state::{GaussianState, Position};
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
@@ -47,9 +48,7 @@ fn scan_of(index: usize, sensor: usize, pose: Option<Pose>) -> Scan {
 }
 
 fn pose_at(place_m: Position) -> Pose {
-    Pose {
-        place: place_m.push(20.0),
-    }
+    Pose::at(place_m.push(20.0))
 }
 
 fn camera_at(place_m: Position) -> Sensor {
@@ -58,11 +57,17 @@ fn camera_at(place_m: Position) -> Sensor {
         p_d: 0.95,
         clutter_density: 0.01,
         may_start: false,
-        report: MeasurementModel::Bearing(Bearing {
-            place_m,
-            sigma_bearing_rad: 0.005,
-        }),
+        report: MeasurementModel::Bearing(standing_bearing(place_m, 0.005)),
         sight: None,
+    }
+}
+
+pub fn standing_bearing(place_m: Position, sigma_bearing_rad: f64) -> Bearing {
+    Bearing {
+        place_m,
+        sigma_bearing_rad,
+        platform: Platform::STANDING,
+        range_prior: None,
     }
 }
 
@@ -185,6 +190,7 @@ fn a_pose_moves_what_is_seen_from_a_place_and_nothing_else() {
         sigma_range_m: 1.0,
         sigma_bearing_rad: 0.1,
         range_rate: None,
+        platform: Platform::STANDING,
     };
     let moved = Polar {
         place_m: Position::new(3.0, 4.0),
@@ -216,7 +222,7 @@ fn a_recording_keeps_poses_and_refuses_those_that_are_nowhere() {
         scans: (0..4)
             .map(|at| {
                 let place = Place::new(at as f64, 0.0, up_m);
-                scan_of(at, at % 2, Some(Pose { place }))
+                scan_of(at, at % 2, Some(Pose::at(place)))
             })
             .collect(),
         detection_ids: (0..4).map(|id| id.to_string()).collect(),

@@ -2,6 +2,8 @@
 //!
 //! `TRACKLOOM_WRITE_RECORDINGS=1 TRACKLOOM_DATA=<folder> cargo test --test domain recordings` writes the file anew.
 
+mod all_sensors;
+
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use trackloom_domain::association::ASSOCIATORS;
@@ -332,7 +334,9 @@ fn the_table_of_recordings_is_what_the_tracker_does() {
     let (head, written) = document
         .split_once(BEGIN)
         .expect("the document has the line before its table");
-    let made = table(&folder, &scenarios) + &camera_table(&folder, &scenarios);
+    let made = table(&folder, &scenarios)
+        + &camera_table(&folder, &scenarios)
+        + &all_sensors::table(&folder, &scenarios);
     if std::env::var_os("TRACKLOOM_WRITE_RECORDINGS").is_some() {
         assert_eq!(
             scenarios, SCENARIOS,

@@ -93,7 +93,7 @@ pub fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
             number: index as u32 + 1,
             time_s: 0.0,
             sensor: index,
-            pose: None,
+            pose: simulation::first_pose(sensor),
             // A detector of a record tells how strong what it found is, and the noise where nobody else does.
             detections: vec![Detection {
                 measurement,

@@ -11,6 +11,7 @@ pub mod known;
 mod maneuver_index;
 mod no_tracks;
 mod noise;
+mod observability;
 mod report;
 mod scan_gaps;
 mod slant;

@@ -103,6 +103,7 @@ fn lowered(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::state::Position;
 
     const POLAR: Measurement = Measurement::RangeBearing {
         range_m: 10_000.0,
@@ -163,9 +164,9 @@ mod tests {
         else {
             panic!("a range and a bearing")
         };
-        // The target of the two sites in the stereographic plane: (-240 224.367 2, 193 587.347 9).
-        let place_m = [range_m * bearing_rad.sin(), range_m * bearing_rad.cos()];
-        assert!((place_m[0] + 240_224.367_2).abs() < 0.01, "{place_m:?}");
-        assert!((place_m[1] - 193_587.347_9).abs() < 0.01, "{place_m:?}");
+        // The slant range, bearing and height of the worked target of two sites, at 51.8 N 5.2 E.
+        let wanted_m = Stereographic::from(frame).project(51.8, 5.2);
+        let place_m = Position::new(bearing_rad.sin(), bearing_rad.cos()) * range_m;
+        assert!((place_m - wanted_m).norm() < 1e-3, "{place_m} {wanted_m}");
     }
 }

@@ -111,6 +111,7 @@ pub fn complete(
             "is what noise looks like: no detections of {} clearly move more",
             names.join(", ")
         ),
+        Ground::Nothing if names.is_empty() => "is assumed: bearings do not tell speeds".to_owned(),
         Ground::Nothing => format!(
             "is assumed: too few scans of {}, or too much clutter in them, to tell speeds from",
             names.join(", ")

@@ -6,7 +6,7 @@ use super::estimates::{self, Estimate};
 use super::report::NisReport;
 use super::speeds::{self, Taken};
 use super::truth_initiation::{self, Start};
-use super::{maneuver_index, no_tracks, noise, scan_gaps, slant};
+use super::{maneuver_index, no_tracks, noise, observability, scan_gaps, slant};
 use crate::association::{Associator, BuildAssociator, Needs, Trace};
 use crate::experiment::files::datasets;
 use crate::experiment::input::{JobData, sensors};
@@ -156,13 +156,14 @@ fn track_with(
         known: &data.sensors,
         sensors: &sensors,
     };
-    let mut tracked = run.run(filter, observer)?;
+    let mut tracked = run.run(observer)?;
     tracked.taken = Taken {
         filter: tracking.chosen.clone(),
         ..taken
     };
     tracked.clutter = clutter::lines(&resolved, &tracked.tracks, &tracked.maps);
     warnings.extend(scan_gaps::warning(recording));
+    warnings.extend(observability::warning(&resolved));
     warnings.extend(noise::warning(
         &tracked.nis,
         lifecycle.gate_probability,
@@ -184,9 +185,10 @@ fn has_local_clutter(scenario: &Scenario) -> bool {
         .any(|sensor| sensor.clutter_within_deg.is_some())
 }
 
-/// Everything that a tracker needs besides its filter.
+/// Everything that a tracker needs.
 struct TrackerRun<'a> {
     build: BuildTracker,
+    filter: AnyFilter,
     recording: &'a Recording,
     associator: Box<dyn Associator>,
     lifecycle: Lifecycle,
@@ -231,6 +233,7 @@ impl<'a> TrackerRun<'a> {
         let starts = truth_initiation::starts(&lifecycle, recording, truth, &sensors, named, seed)?;
         let run = TrackerRun {
             build: tracker.build,
+            filter: sensors::filter_for(&sensors, &named.filter),
             recording,
             associator: associator.build(seed),
             lifecycle,
@@ -242,10 +245,11 @@ impl<'a> TrackerRun<'a> {
         Ok((run, taken))
     }
 
-    fn run(self, filter: &AnyFilter, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+    fn run(self, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
         let (recording, method, is_timed) = (self.recording, self.method, self.is_timed);
+        let filter = self.filter;
         let (dimensions, smoothing) = (common_dimensions(&self.sensors), self.lifecycle.smoothing);
-        let mut tracker = self.start(filter)?;
+        let mut tracker = self.start()?;
         if is_timed {
             tracker.keep_problems();
         }
@@ -264,7 +268,7 @@ impl<'a> TrackerRun<'a> {
             None
         };
         drop(tracker);
-        let (tracks, smoothed) = history.into_smoothed(recording, filter, smoothing);
+        let (tracks, smoothed) = history.into_smoothed(recording, &filter, smoothing);
         Ok(Tracked {
             tracks,
             smoothed,
@@ -283,13 +287,13 @@ impl<'a> TrackerRun<'a> {
     }
 
     /// A tracker with the tracks that it is given.
-    fn start(self, filter: &AnyFilter) -> Result<Box<dyn Tracker>, RunError> {
+    fn start(self) -> Result<Box<dyn Tracker>, RunError> {
         let mut given = Vec::with_capacity(self.starts.len());
         for start in self.starts {
-            given.push(start.given(filter)?);
+            given.push(start.given(&self.filter)?);
         }
         Ok((self.build)(TrackerParts {
-            filter: *filter,
+            filter: self.filter,
             associator: self.associator,
             lifecycle: self.lifecycle,
             sensors: self.sensors,

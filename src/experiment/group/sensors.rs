@@ -3,7 +3,7 @@
 use crate::experiment::job::refuse_any;
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording};
-use crate::model::sensing::{MeasurementModel, Polar, RangeRate};
+use crate::model::sensing::{MeasurementModel, Platform, Polar, RangeRate};
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::Position;
 
@@ -114,5 +114,6 @@ fn polar_of(settings: &SensorSettings) -> Result<MeasurementModel, Vec<Fault>> {
         sigma_range_m,
         sigma_bearing_rad: sigma_bearing_deg.to_radians(),
         range_rate,
+        platform: Platform::STANDING,
     }))
 }

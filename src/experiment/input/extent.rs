@@ -198,7 +198,7 @@ fn arc_deg(recording: &Recording, sensor: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::experiment::input::tests::one_scan;
-    use crate::model::sensing::Bearing;
+    use crate::model::sensing::{Bearing, Platform};
 
     fn arc_of(bearings_deg: &[f64]) -> f64 {
         let bearing = |degrees: &f64| Measurement::Bearing {
@@ -212,6 +212,8 @@ mod tests {
             &MeasurementModel::Bearing(Bearing {
                 place_m: Position::zeros(),
                 sigma_bearing_rad: 0.01,
+                platform: Platform::STANDING,
+                range_prior: None,
             }),
         )
         .seen

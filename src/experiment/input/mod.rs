@@ -18,6 +18,7 @@ use crate::math::rng::Seed;
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
+use crate::model::relative_bearings::turned;
 use crate::model::scan::Recording;
 use crate::model::scenario::{RecordedTargets, Scenario, TargetPlan};
 use crate::model::sensor::SensorSettings;
@@ -125,8 +126,9 @@ impl JobData {
         if let Some(detector) = detector {
             self.detect(detector, observer)?;
         }
-        if let Some(recording) = &self.recording {
-            self.sensors = sensors::merge_settings(recording, &self.uploaded, requested)?;
+        if let Some(recording) = self.recording.take() {
+            self.sensors = sensors::merge_settings(&recording, &self.uploaded, requested)?;
+            self.recording = Some(turned(recording, &mut self.sensors));
         }
         if let Some(record) = &self.record
             && let Some(found) = self.recording.take()

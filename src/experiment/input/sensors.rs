@@ -1,6 +1,8 @@
 //! The sensors of a recording, completed: what the request says, else what came with the data, else what can soundly
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
+mod bearings;
+mod correlated;
 mod in_space;
 mod place;
 mod range_rates;
@@ -14,12 +16,14 @@ use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
 use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
+use crate::model::relative_bearings::unknown_heading;
 use crate::model::scan::{Measurement, Recording};
-use crate::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
+use crate::model::sensing::{Bearing, MeasurementModel, Platform, Polar, RangeRate};
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::sight::clutter::LEAST_CLUTTER;
 use crate::model::space::Space;
 use crate::model::state::Position;
+use bearings::{any_locates, moves, range_prior, tells_bearings, unknown_place};
 use sight::with_sight;
 
 /// Assumed when nobody says how often a target is detected.
@@ -55,7 +59,10 @@ pub fn merge_settings(
             .iter()
             .position(|other| other.sensor_id == sensor.sensor_id);
         match place::in_plane(own.overridden_by(&asked), &asked, recording.frame) {
-            Ok(settings) => merged.push(settings),
+            Ok(settings) => {
+                faults.extend(unknown_heading(recording, &settings));
+                merged.push(settings);
+            }
             Err(fault) => faults.push(Fault {
                 pointer: format!("/sensors/{}{}", index.unwrap_or_default(), fault.pointer),
                 ..*fault
@@ -85,9 +92,10 @@ pub fn resolve(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Sensor>, Vec<Fault>> {
     let mut faults = Vec::new();
-    if let Some(fault) = nothing_locates(recording, known, filter) {
+    if let Some(fault) = bearings::nothing_starts(recording, known, filter) {
         return Err(vec![fault]);
     }
+    let crosses = filter.filter.space() == Space::Plane && bearings::may_cross(recording, known);
     let rates = reported_rates(&mut recording.detections(), false);
     if rates > 0 && !filter.filter.uses_range_rates() {
         warnings.push(format!(
@@ -118,6 +126,8 @@ pub fn resolve(
         let rates_mps = uses_rates.then(|| range_rate_span_mps(recording, index));
         let reader = NoiseReader {
             settings,
+            moves: moves(recording, index),
+            inflation: correlated::inflation(recording, index, settings, warnings),
             faults: &mut faults,
         };
         let report = if filter.filter.space() == Space::Volume {
@@ -125,11 +135,20 @@ pub fn resolve(
         } else {
             reader.report(kind, rates_mps, warnings)
         };
-        let locates = report.locates_in(filter.filter.space());
-        faults.extend(unable_start(settings, locates, report.is_bearing()));
+        let starts = report.starts_in(filter.filter.space());
+        if kind == Kind::Bearing {
+            faults.extend(bearings::unfit_prior(settings));
+            faults.extend(bearings::unfit_filter(settings, filter));
+        }
+        let may_start = starts || (crosses && report.is_bearing());
+        faults.extend(bearings::unable_start(
+            settings,
+            may_start,
+            report.is_bearing(),
+        ));
         match complete(recording, index, settings, report, warnings) {
             Ok(sensor) => sensors.push(Sensor {
-                may_start: settings.may_start.unwrap_or(locates),
+                may_start: settings.may_start.unwrap_or(starts),
                 ..sensor
             }),
             Err(found) => faults.extend(found),
@@ -143,6 +162,15 @@ pub fn resolve(
     } else {
         Err(faults)
     }
+}
+
+/// The filter that starts tracks at ranges, where a sensor's bearings start any.
+pub fn filter_for(sensors: &[Sensor], filter: &AnyFilter) -> AnyFilter {
+    let starts = |sensor: &Sensor| sensor.may_start && sensor.report.range_prior().is_some();
+    let at_ranges = filter.at_ranges();
+    at_ranges
+        .filter(|_| sensors.iter().any(starts))
+        .unwrap_or(*filter)
 }
 
 /// A fault for each density that the request states over a space in which the sensor's reports do not lie.
@@ -201,20 +229,6 @@ fn two_places(known: &[SensorSettings]) -> Option<Fault> {
     )
 }
 
-/// A fault where tracks should start at reports that do not say where their targets are.
-fn unable_start(settings: &SensorSettings, locates: bool, is_direction: bool) -> Option<Fault> {
-    if locates || settings.may_start != Some(true) {
-        return None;
-    }
-    let what = if is_direction {
-        "bearings, of which one alone does not say where a target is"
-    } else {
-        "no heights, without which no track of a volume starts"
-    };
-    let detail = format!("sensor '{}' reports {what}", settings.sensor_id);
-    Some(Fault::new("/sensors", "unsupported", detail).allowing("may_start false"))
-}
-
 /// What of a sensor's reports is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -256,7 +270,7 @@ fn usable_kind(
         (true, ..) if !filter.space().has_places() => refuse("positions"),
         _ if !filter.space().has_places() => Some(Kind::Bearing),
         (false, false, true) if filter.uses_ranges() => {
-            faults.extend(unknown_place(settings));
+            faults.extend(unknown_place(recording, index, settings));
             Some(Kind::Bearing)
         }
         (false, false, true) => refuse("bearings without ranges"),
@@ -273,7 +287,7 @@ fn usable_kind(
                 && filter.uses_ranges()
                 && any_locates(recording, known) =>
         {
-            faults.extend(unknown_place(settings));
+            faults.extend(unknown_place(recording, index, settings));
             Some(Kind::Bearing)
         }
         _ => Some(Kind::Position),
@@ -291,39 +305,13 @@ fn usable_reports(filter: &AnyFilter) -> &'static str {
     }
 }
 
-/// A fault where a filter of places is given bearings alone: no track could start.
-fn nothing_locates(
-    recording: &Recording,
-    known: &[SensorSettings],
-    named: &NamedFilter,
-) -> Option<Fault> {
-    if !named.filter.space().has_places() || any_locates(recording, known) {
-        return None;
-    }
-    let is_heard = |index: usize| detections_of(recording, index).next().is_some();
-    let heard: Vec<String> = known
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| is_heard(*index))
-        .map(|(_, settings)| format!("'{}'", settings.sensor_id))
-        .collect();
-    let who = match heard.as_slice() {
-        [] => return None,
-        [one] => format!("sensor {one} reports"),
-        several => format!("sensors {} report", several.join(", ")),
-    };
-    let detail = format!(
-        "{who} bearings without ranges, which the filter '{}' cannot use",
-        named.name
-    );
-    Some(
-        Fault::new("/filter/method", "unsupported", detail).allowing(usable_reports(&named.filter)),
-    )
-}
-
 /// Takes noises from the settings; those that are missing become faults.
 struct NoiseReader<'a> {
     settings: &'a SensorSettings,
+    /// Whether its scans say where it is.
+    moves: bool,
+    /// What noise is multiplied with.
+    inflation: f64,
     faults: &'a mut Vec<Fault>,
 }
 
@@ -341,10 +329,19 @@ impl NoiseReader<'_> {
                 sigma_x_m: self.required("sigma_x_m", settings.sigma_x_m, "m"),
                 sigma_y_m: self.required("sigma_y_m", settings.sigma_y_m, "m"),
             },
-            Kind::Polar => MeasurementModel::Polar(self.polar(place(settings, warnings), span_mps)),
+            Kind::Polar => {
+                let place_m = if self.moves {
+                    place_of(settings)
+                } else {
+                    place(settings, warnings)
+                };
+                MeasurementModel::Polar(self.polar(place_m, span_mps))
+            }
             Kind::Bearing => MeasurementModel::Bearing(Bearing {
                 place_m: place_of(settings),
                 sigma_bearing_rad: self.bearing_sigma(),
+                platform: Platform::STANDING,
+                range_prior: range_prior(settings),
             }),
         }
     }
@@ -363,6 +360,7 @@ impl NoiseReader<'_> {
                 ),
                 span_mps,
             }),
+            platform: Platform::STANDING,
         }
     }
 
@@ -380,7 +378,7 @@ impl NoiseReader<'_> {
             self.faults
                 .push(Fault::new("/sensors", "missing", detail).allowing(format!("> 0 {unit}")));
         }
-        value.unwrap_or(1.0)
+        value.unwrap_or(1.0) * self.inflation
     }
 }
 
@@ -392,39 +390,6 @@ fn place(settings: &SensorSettings, warnings: &mut Vec<String>) -> Position {
         ));
     }
     place_of(settings)
-}
-
-/// Whether some report says where its target is, or a sensor that never reported anything would.
-fn any_locates(recording: &Recording, known: &[SensorSettings]) -> bool {
-    let mut reports = recording.detections();
-    let mut silent = known
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| detections_of(recording, *index).next().is_none());
-    reports.any(|detection| !detection.measurement.is_direction())
-        || silent.any(|(_, settings)| tells_places(settings))
-}
-
-/// Whether the settings are those of a sensor that reports places.
-fn tells_places(settings: &SensorSettings) -> bool {
-    settings.sigma_x_m.is_some() || settings.sigma_range_m.is_some()
-}
-
-/// Whether they are those of a sensor that reports bearings alone.
-fn tells_bearings(settings: &SensorSettings) -> bool {
-    settings.sigma_bearing_deg.is_some() && !tells_places(settings)
-}
-
-/// Bearings place a target of the plane only from a place that is known.
-fn unknown_place(settings: &SensorSettings) -> Option<Fault> {
-    if settings.x_m.is_some() && settings.y_m.is_some() {
-        return None;
-    }
-    let detail = format!(
-        "sensor '{}' reports bearings, and where it stands is not known: give 'x_m' and 'y_m' in 'sensors'",
-        settings.sensor_id
-    );
-    Some(Fault::new("/sensors", "missing", detail).allowing("a place (m)"))
 }
 
 fn complete(

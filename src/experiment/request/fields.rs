@@ -163,7 +163,7 @@ pub static SENSOR_SETTINGS: Object = Object {
         ),
         optional(
             "may_start",
-            "Whether a report that no track uses may start a track; false of bearings in the plane, else true.",
+            "Whether a report that no track uses may start a track; false of bearings in the plane without limits of their ranges, else true. Bearings of two sensors at different places start tracks where they cross, if both may.",
             Kind::Flag,
         ),
         sight::FIELD_OF_VIEW,
@@ -171,6 +171,31 @@ pub static SENSOR_SETTINGS: Object = Object {
         sight::P_D_AT,
         sight::P_FA,
         sight::CLUTTER,
+        optional(
+            "bearings",
+            "What bearings are counted from: true, from north; relative, from the bow of what carries the sensor, whose heading is in each scan (sensor_heading_deg). True when absent.",
+            Kind::Choice(&["true", "relative"]),
+        ),
+        optional(
+            "range_min_m",
+            "Nearest range of a target of which a bearing alone starts a track in the plane; with range_max_m.",
+            RANGE,
+        ),
+        optional(
+            "range_max_m",
+            "Farthest range of such a target. The track starts at range_filters ranges at once.",
+            RANGE,
+        ),
+        optional(
+            "range_filters",
+            "At how many ranges between range_min_m and range_max_m, in geometric progression, such a track starts; 5 when absent.",
+            whole(1, 12, ""),
+        ),
+        optional(
+            "error_correlation_s",
+            "Time after which errors of successive reports of a target are forgotten to 1/e; where scans are faster, noise counts as larger, so that many of them say no more than they do. Independent when absent.",
+            above(0.0, 1e6, "s"),
+        ),
     ],
 };
 

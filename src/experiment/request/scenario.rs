@@ -21,6 +21,11 @@ static SCENARIO_SENSOR: Object = Object {
             PLACE,
         ),
         optional(
+            "course",
+            "How the sensor moves, from there at time 0; it stands when absent. Its scans say where it is, how fast and with which heading: along its velocity.",
+            Kind::Object(&SENSOR_COURSE),
+        ),
+        optional(
             "lat_deg",
             "Latitude, in place of x_m and y_m where the scene, or recorded targets, have an origin on the Earth; with lon_deg.",
             number(-90.0, 90.0, "deg"),
@@ -102,6 +107,16 @@ static SCENARIO_SENSOR: Object = Object {
             "Mean signal-to-noise ratio of a target's echo (Swerling 1). With it detections have amplitudes: the power of their echoes in units of the noise's, beyond the threshold that p_d and this ratio set.",
             number(-30.0, 100.0, "dB"),
         ),
+    ],
+};
+
+static SENSOR_COURSE: Object = Object {
+    name: "SensorCourse",
+    summary: "The course of a sensor that moves; after its last segment it goes on straight.",
+    fields: &[
+        default("vx_mps", "Velocity at time 0, east.", VELOCITY, "0.0"),
+        default("vy_mps", "Velocity at time 0, north.", VELOCITY, "0.0"),
+        SEGMENTS,
     ],
 };
 
@@ -215,14 +230,17 @@ static MANEUVERING_TARGET: Object = Object {
             "Time at which it is seen last; it stays when absent.",
             above(0.0, 1e9, "s"),
         ),
-        default(
-            "segments",
-            "Its course, leg by leg.",
-            list(&Kind::Union(&SEGMENT), 0, 1000),
-            "[]",
-        ),
+        SEGMENTS,
     ],
 };
+
+const SEGMENTS: Field = default(
+    "segments",
+    "Its course, leg by leg.",
+    list(&SEGMENT_KIND, 0, 1000),
+    "[]",
+);
+static SEGMENT_KIND: Kind = Kind::Union(&SEGMENT);
 
 static MANEUVERING_TARGETS: Object = Object {
     name: "ManeuveringTargets",

@@ -26,11 +26,13 @@
 pub mod chain;
 mod look;
 mod mode;
+mod ranges;
 pub mod settings;
 mod smooth;
 
 pub use look::{Change, Loss};
 pub use mode::{Extra, ModeMotion, ModeStep, expect_leading, on_leading};
+pub use ranges::RangeParametrised;
 pub use settings::{METHOD, Models};
 
 use super::motions::AnyMotion;
@@ -74,6 +76,25 @@ pub struct Belief<const R: usize, const N: usize> {
     /// μ, after a prediction c.
     pub probabilities: [f64; R],
     pub states: [GaussianState<N>; R],
+}
+
+impl<const R: usize, const N: usize> Belief<R, N> {
+    fn pack_into(&self, packed: &mut Vec<f64>) {
+        packed.extend_from_slice(&self.probabilities);
+        for state in &self.states {
+            state.pack_into(packed);
+        }
+    }
+
+    fn unpacked(packed: &[f64]) -> Option<Self> {
+        let (probabilities, rest) = packed.split_at_checked(R)?;
+        let chunks = rest.chunks(packed_len(N));
+        let states: Option<Vec<GaussianState<N>>> = chunks.map(GaussianState::unpacked).collect();
+        Some(Belief {
+            probabilities: probabilities.try_into().ok()?,
+            states: states?.try_into().ok()?,
+        })
+    }
 }
 
 /// What a time does to every belief.
@@ -271,21 +292,11 @@ where
     }
 
     fn pack(belief: &Belief<R, N>, packed: &mut Vec<f64>) {
-        packed.extend_from_slice(&belief.probabilities);
-        for state in &belief.states {
-            state.pack_into(packed);
-        }
+        belief.pack_into(packed);
     }
 
     fn unpack(packed: &[f64]) -> Option<Belief<R, N>> {
-        let (probabilities, rest) = packed.split_at_checked(R)?;
-        let mut chunks = rest.chunks(packed_len(N));
-        let states: Option<Vec<GaussianState<N>>> =
-            chunks.by_ref().map(GaussianState::unpacked).collect();
-        Some(Belief {
-            probabilities: probabilities.try_into().ok()?,
-            states: states?.try_into().ok()?,
-        })
+        Belief::unpacked(packed)
     }
 
     fn fit(change: &Change<R, N>, _squared_distance: f64) -> f64 {

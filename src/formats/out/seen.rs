@@ -2,11 +2,11 @@
 
 use super::earth::{Earth, Spot};
 use super::{WriteError, refusal};
-use crate::geodesy::Stereographic;
+use crate::geodesy::{Geodetic, Stereographic};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, Scan};
-use crate::model::space::Frame;
+use crate::model::space::{Frame, Place};
 use crate::model::state::Position;
 
 /// One detection.
@@ -42,10 +42,13 @@ pub fn for_each(
         for (index, detection) in (first..).zip(&scan.detections) {
             let time_s = time_of(recording, scan, index);
             let place_m = place_of(recording, scan, detection, places_m[scan.sensor])?;
-            let z_m = height_over(recording, scan, detection);
+            let z_m = detection.measurement.z_m().unwrap_or_default();
             let height_m = recording.beside.heights_m.get(index).copied().flatten();
+            let place_m = place_m.map(|place_m| {
+                place_in_space(recording, scan, detection).unwrap_or(place_m.push(z_m))
+            });
             let spot = place_m
-                .map(|place_m| earth.spot(time_s, &place_m.push(z_m.unwrap_or_default()), height_m))
+                .map(|place_m| earth.spot(time_s, &place_m, height_m))
                 .transpose()?;
             let labels = recording.beside.attributes.iter();
             use_one(Seen {
@@ -110,19 +113,37 @@ fn place_of(
     }
 }
 
-/// How high a detection is over the horizontal plane of the origin: measured, or of a slant range over its sensor.
-fn height_over(recording: &Recording, scan: &Scan, detection: &Detection) -> Option<f64> {
-    if let Measurement::RangeBearingElevation {
+/// Where a slant range with its bearing and elevation is, seen on the axes of its sensor's own place.
+fn place_in_space(recording: &Recording, scan: &Scan, detection: &Detection) -> Option<Place> {
+    let Measurement::RangeBearingElevation {
         range_m,
+        bearing_rad,
         elevation_rad,
         ..
     } = detection.measurement
-    {
-        let own_m = recording.sensors[scan.sensor].z_m.unwrap_or_default();
-        let from_m = scan.pose.map_or(own_m, |pose| pose.place.z);
-        return Some(from_m + range_m * elevation_rad.sin());
+    else {
+        return None;
+    };
+    let (rise, level) = elevation_rad.sin_cos();
+    let (east, north) = bearing_rad.sin_cos();
+    let offset_m = Place::new(east * level, north * level, rise) * range_m;
+    let sensor = &recording.sensors[scan.sensor];
+    let (up_m, known) = (sensor.z_m, sensor.lat_deg.zip(sensor.lon_deg));
+    if let (None, Some(frame), Some((lat_deg, lon_deg))) = (scan.pose, recording.frame, known) {
+        let (origin, height_m) = (Geodetic::from(&frame), sensor.height_m.unwrap_or(0.0));
+        let own = Geodetic {
+            lat_deg,
+            lon_deg,
+            height_m,
+        };
+        return Some(origin.enu_of(&own) + own.turn_to(&origin) * offset_m);
     }
-    detection.measurement.z_m()
+    let stands_m = Place::new(
+        sensor.x_m.unwrap_or(0.0),
+        sensor.y_m.unwrap_or(0.0),
+        up_m.or(sensor.height_m).unwrap_or(0.0),
+    );
+    Some(scan.pose.map_or(stands_m, |pose| pose.place) + offset_m)
 }
 
 /// What a detection measured besides a position.

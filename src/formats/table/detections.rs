@@ -2,9 +2,11 @@
 //! declares a scan that saw nothing.
 
 mod columns;
+mod poses;
 mod scans;
 mod write;
 
+pub use poses::{COLUMNS as POSE_COLUMNS, PLACE as POSE_PLACE};
 pub use write::write;
 
 use super::ground::Ground;
@@ -16,6 +18,7 @@ use crate::formats::Units;
 use crate::model::beside::Labels;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
+use crate::model::pose::Pose;
 use crate::model::scan::{Detection, Measurement};
 use crate::model::sensor::SensorSettings;
 use columns::Columns;
@@ -31,6 +34,8 @@ struct Found {
     row: u64,
     detection: Option<Detection>,
     height_m: Option<f64>,
+    /// Of the poses that the rows have shown.
+    pose: Option<u32>,
 }
 
 /// What the rows have shown so far; one entry a row in the lists.
@@ -43,6 +48,8 @@ struct Builder {
     /// Attributes, in the order of the columns.
     labels: Vec<(Interner, Labels)>,
     ground: Ground,
+    /// One after another as they change from row to row.
+    poses: Vec<Pose>,
     /// Whether a row had both a position and a range or bearing.
     ambiguous: bool,
     /// Whether a row had a height that belongs to no position.
@@ -114,6 +121,7 @@ impl Builder {
         let measurement = self.measurement(reader, columns);
         let amplitude = reader.optional_number(columns.amplitude);
         let height_m = reader.optional_number(columns.height);
+        let pose = self.pose(reader, columns);
         let (Some(time_s), true) = (time_s, reader.is_sound()) else {
             return;
         };
@@ -134,8 +142,21 @@ impl Builder {
                 amplitude,
             }),
             height_m,
+            pose,
         };
         self.keep(found, reader, columns);
+    }
+
+    /// The number of what the row says of its sensor's pose.
+    fn pose(&mut self, reader: &mut RowReader, columns: &Columns) -> Option<u32> {
+        if !columns.pose.are_there() {
+            return None;
+        }
+        let pose = columns.pose.read(reader)?;
+        if self.poses.last() != Some(&pose) {
+            self.poses.push(pose);
+        }
+        Some(self.poses.len() as u32 - 1)
     }
 
     fn keep(&mut self, found: Found, reader: &RowReader, columns: &Columns) {

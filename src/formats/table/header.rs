@@ -3,14 +3,14 @@
 mod guess;
 mod told;
 
+use super::detections::{POSE_COLUMNS, POSE_PLACE};
 use super::{FaultLog, Rows, units};
 use crate::formats::ReadOptions;
 use crate::model::attributes::{ATTRIBUTES, attribute_named};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::modes::MAX_MODES;
-use std::collections::BTreeMap;
-use told::{listed, warnings};
+use told::{check_duplicates, listed, warnings};
 
 /// The ten columns of a covariance, upper triangle.
 pub const COVARIANCE: [&str; 10] = [
@@ -60,7 +60,7 @@ const DETECTIONS: Schema = Schema {
         "elevation_deg",
     ],
     unused: &[],
-    together: &[&["x_m", "y_m"]],
+    together: &[&["x_m", "y_m"], &POSE_PLACE],
 };
 
 const TRUTH: Schema = Schema {
@@ -209,7 +209,14 @@ impl Schema {
         self.required.contains(&name)
             || self.optional.contains(&name)
             || EVERYWHERE.contains(&name)
+            || self.of_poses().contains(&name)
             || attribute_named(name).is_some()
+    }
+
+    /// Where sensors are is told with their detections.
+    fn of_poses(&self) -> &'static [&'static str] {
+        let is_detections = std::ptr::eq(self, &DETECTIONS);
+        if is_detections { &POSE_COLUMNS } else { &[] }
     }
 
     fn is_unused(&self, name: &str) -> bool {
@@ -232,6 +239,7 @@ impl Schema {
         [
             self.required,
             self.optional,
+            self.of_poses(),
             self.unused,
             EVERYWHERE,
             ATTRIBUTES,
@@ -360,13 +368,12 @@ fn is_canonical(name: &str) -> bool {
 }
 
 fn kind_of(names: &[String]) -> Option<DatasetKind> {
-    let has = |name: &str| names.iter().any(|known| known == name);
-    if has("track_id") {
+    if has(names, "track_id") {
         Some(DatasetKind::Tracks)
-    } else if has("detection_id") || has("scan") {
+    } else if has(names, "detection_id") || has(names, "scan") {
         Some(DatasetKind::Detections)
     } else {
-        has("truth_id").then_some(DatasetKind::Truth)
+        has(names, "truth_id").then_some(DatasetKind::Truth)
     }
 }
 
@@ -409,22 +416,6 @@ fn renaming_fault(name: &str, detail: &str) -> Fault {
 /// A name as a token of a JSON pointer.
 pub fn pointer_token(name: &str) -> String {
     name.replace('~', "~0").replace('/', "~1")
-}
-
-fn check_duplicates(rows: &dyn Rows, names: &[String], faults: &mut FaultLog) {
-    let mut places = BTreeMap::new();
-    for (index, name) in names.iter().enumerate() {
-        let first = *places.entry(name).or_insert(index);
-        if first == index {
-            continue;
-        }
-        let detail = format!(
-            "column '{name}' occurs twice: columns {} and {}",
-            first + 1,
-            index + 1
-        );
-        faults.push(rows.header_fault(Some(&rows.names()[index]), "duplicate", detail));
-    }
 }
 
 fn check_missing(

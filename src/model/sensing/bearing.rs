@@ -7,10 +7,14 @@
 //! ∂β/∂p = t / r and ∂²β/∂u∂t = −1/r²; of a second derivative F, the mean gains ½ tr(F P) and the variance ½ tr(F P F P).
 
 use super::Sensing;
+use super::crossing::LineOfSight;
+use super::platform::Platform;
 use super::polar::View;
+use super::position::at_rest;
+use super::range_prior::{RangePrior, UncertainRange};
 use crate::model::angle::wrap;
 use crate::model::scan::Measurement;
-use crate::model::state::{GaussianState, Position, State};
+use crate::model::state::{GaussianState, Position, PositionCovariance, State};
 use nalgebra::{Matrix1, SMatrix, Vector1};
 
 /// A sensor of bearings, and where it stands.
@@ -18,6 +22,9 @@ use nalgebra::{Matrix1, SMatrix, Vector1};
 pub struct Bearing {
     pub place_m: Position,
     pub sigma_bearing_rad: f64,
+    pub platform: Platform,
+    /// With it a bearing starts a track.
+    pub range_prior: Option<RangePrior>,
 }
 
 impl Sensing<4, 1> for Bearing {
@@ -57,12 +64,63 @@ impl Sensing<4, 1> for Bearing {
         )
     }
 
-    fn noise(&self, _belief: &GaussianState) -> Matrix1<f64> {
-        Matrix1::new(self.sigma_bearing_rad.powi(2))
+    fn noise(&self, belief: &GaussianState) -> Matrix1<f64> {
+        let noise = Matrix1::new(self.sigma_bearing_rad.powi(2));
+        match &self.platform.errors {
+            None => noise,
+            Some(errors) => {
+                let bearing_rad = View::from(self.place_m, &belief.mean).bearing_rad;
+                noise + errors.noise(&self.jacobian(belief), 0, bearing_rad)
+            }
+        }
     }
 
-    fn locate(&self, _report: &Vector1<f64>, _rate_sigma: f64) -> Option<GaussianState> {
-        None
+    /// The moments of all ranges that it may be at.
+    fn locate(&self, report: &Vector1<f64>, rate_sigma: f64) -> Option<GaussianState> {
+        let whole = self.range_prior?.whole();
+        Some(self.at_range(report[0], whole, rate_sigma))
+    }
+
+    fn parts(&self, report: &Vector1<f64>, rate_sigma: f64) -> Vec<GaussianState> {
+        let parts = self.range_prior.iter().flat_map(RangePrior::parts);
+        parts
+            .map(|range| self.at_range(report[0], range, rate_sigma))
+            .collect()
+    }
+}
+
+impl Bearing {
+    /// A report as a ray.
+    pub fn sight(&self, bearing_rad: f64) -> LineOfSight {
+        let errors = self.platform.errors.as_ref();
+        LineOfSight {
+            place_m: self.place_m,
+            bearing_rad,
+            variance_rad2: self.widened(bearing_rad).powi(2),
+            spread_m2: errors.map_or_else(PositionCovariance::zeros, |errors| errors.of_place()),
+        }
+    }
+
+    /// Its noise, with that of the attitude.
+    pub(super) fn widened(&self, bearing_rad: f64) -> f64 {
+        let errors = self.platform.errors.as_ref();
+        errors.map_or(self.sigma_bearing_rad, |errors| {
+            errors.widened(self.sigma_bearing_rad, bearing_rad)
+        })
+    }
+
+    /// At rest ± `rate_sigma`.
+    fn at_range(&self, bearing_rad: f64, range: UncertainRange, rate_sigma: f64) -> GaussianState {
+        let along = Position::new(bearing_rad.sin(), bearing_rad.cos());
+        let across = Position::new(along[1], -along[0]);
+        let sigma_rad = self.widened(bearing_rad);
+        let square_m2 = range.mean_m.powi(2) + range.sigma_m.powi(2);
+        let mut noise = along * along.transpose() * range.sigma_m.powi(2)
+            + across * across.transpose() * (square_m2 * sigma_rad.powi(2));
+        if let Some(errors) = &self.platform.errors {
+            noise += errors.of_place();
+        }
+        at_rest(&(self.place_m + along * range.mean_m), &noise, rate_sigma)
     }
 }
 
@@ -74,6 +132,8 @@ mod tests {
     const BEARING: Bearing = Bearing {
         place_m: Position::new(10.0, -20.0),
         sigma_bearing_rad: 0.01,
+        platform: Platform::STANDING,
+        range_prior: None,
     };
 
     fn belief() -> GaussianState {
@@ -102,6 +162,7 @@ mod tests {
             sigma_range_m: 3.0,
             sigma_bearing_rad: BEARING.sigma_bearing_rad,
             range_rate: None,
+            platform: Platform::STANDING,
         };
         let (belief, wanted) = (belief(), BEARING.curvature(&belief()));
         let (shift, spread) = Sensing::<4, 2>::curvature(&polar, &belief);

@@ -32,7 +32,11 @@ impl Sensing<4, 2> for Converted {
                 range_m,
                 bearing_rad,
                 ..
-            } => Some(unbiased_position(&self.0, range_m, bearing_rad)),
+            } => Some(unbiased_position(
+                &self.0.widened(bearing_rad),
+                range_m,
+                bearing_rad,
+            )),
             _ => None,
         }
     }
@@ -47,12 +51,24 @@ impl Sensing<4, 2> for Converted {
 
     fn noise(&self, belief: &GaussianState) -> PositionCovariance {
         let spread = belief.covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        unbiased_covariance(&self.0, self.project(&belief.mean), &spread)
+        self.noise_at(self.project(&belief.mean), &spread)
     }
 
     fn locate(&self, report: &SVector<f64, 2>, rate_sigma: f64) -> Option<GaussianState> {
-        let noise = unbiased_covariance(&self.0, *report, &PositionCovariance::zeros());
+        let noise = self.noise_at(*report, &PositionCovariance::zeros());
         Some(at_rest(report, &noise, rate_sigma))
+    }
+}
+
+impl Converted {
+    /// R of a report of a target that is believed to be around a position.
+    fn noise_at(&self, position_m: Position, spread: &PositionCovariance) -> PositionCovariance {
+        let Converted(polar) = self;
+        if polar.platform.errors.is_none() {
+            return unbiased_covariance(polar, position_m, spread);
+        }
+        let polar = polar.widened(View::of(position_m - polar.place_m).bearing_rad);
+        unbiased_covariance(&polar, position_m, spread) + polar.place_noise()
     }
 }
 
@@ -91,6 +107,7 @@ pub fn unbiased_covariance(
 
 #[cfg(test)]
 mod tests {
+    use super::super::platform::Platform;
     use super::*;
     use crate::math::rng::{Purpose, Seed};
     use rand_distr::{Distribution, StandardNormal};
@@ -100,6 +117,7 @@ mod tests {
         sigma_range_m: 3.0,
         sigma_bearing_rad: 0.3,
         range_rate: None,
+        platform: Platform::STANDING,
     };
 
     #[test]

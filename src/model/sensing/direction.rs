@@ -11,8 +11,8 @@ use nalgebra::{Matrix1, Matrix1x2, Matrix2, Vector1, Vector2};
 pub struct Direction(pub Bearing);
 
 impl Direction {
-    fn variance(&self) -> f64 {
-        self.0.sigma_bearing_rad.powi(2)
+    fn variance(&self, bearing_rad: f64) -> f64 {
+        self.0.widened(bearing_rad).powi(2)
     }
 }
 
@@ -40,14 +40,14 @@ impl Sensing<2, 1> for Direction {
         Matrix1x2::new(1.0, 0.0)
     }
 
-    fn noise(&self, _belief: &GaussianState<2>) -> Matrix1<f64> {
-        Matrix1::new(self.variance())
+    fn noise(&self, belief: &GaussianState<2>) -> Matrix1<f64> {
+        Matrix1::new(self.variance(belief.mean[0]))
     }
 
     fn locate(&self, report: &Vector1<f64>, rate_sigma: f64) -> Option<GaussianState<2>> {
         Some(GaussianState {
             mean: Vector2::new(report[0], 0.0),
-            covariance: Matrix2::new(self.variance(), 0.0, 0.0, rate_sigma.powi(2)),
+            covariance: Matrix2::new(self.variance(report[0]), 0.0, 0.0, rate_sigma.powi(2)),
         })
     }
 }

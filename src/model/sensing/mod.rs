@@ -6,26 +6,33 @@
 //! and its rate (`K` = 2);
 //! z a report as `D` values; h what is reported of a state without noise; H = ∂h/∂x; R noise covariance.
 
+use super::pose::Pose;
 use super::scan::Measurement;
-use super::space::{Pose, Space};
+use super::space::Space;
 use super::state::{GaussianState, Position};
 use nalgebra::{SMatrix, SVector};
 
 mod bearing;
 mod converted;
+mod crossing;
 mod direction;
 mod in_space;
+mod platform;
 mod polar;
 mod position;
+mod range_prior;
 mod site;
 mod spherical;
 
 pub use bearing::Bearing;
 pub use converted::Converted;
+pub use crossing::{LineOfSight, cross};
 pub use direction::Direction;
 pub use in_space::{Places, unbiased_covariance, unbiased_place};
+pub use platform::{Platform, PoseErrors};
 pub use polar::{Polar, RangeRate};
 pub use position::Positions;
+pub use range_prior::{MAX_RANGES, RangePrior};
 pub use site::Site;
 pub use spherical::{Directions, Ranges, Spherical};
 
@@ -61,6 +68,11 @@ pub trait Sensing<const K: usize, const D: usize> {
     /// The kinematics that one report alone tells; each rate that it does not tell is 0 ± `rate_sigma`. `None` where the report
     /// does not say where the target is.
     fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<K>>;
+
+    /// The same in parts, of which one is true with equal probability; none where the whole is one Gaussian.
+    fn parts(&self, _report: &SVector<f64, D>, _rate_sigma: f64) -> Vec<GaussianState<K>> {
+        Vec::new()
+    }
 }
 
 /// What a sensor measures, and how well: independent Gaussian noise on each value.
@@ -137,6 +149,20 @@ impl MeasurementModel {
         }
     }
 
+    /// Whether one of its reports can start a track in this space: it tells where the target is, or in the plane limits of its range
+    /// are known.
+    pub fn starts_in(&self, space: Space) -> bool {
+        self.locates_in(space) || space == Space::Plane && self.range_prior().is_some()
+    }
+
+    /// Where along its bearings targets may be, of a sensor of bearings alone.
+    pub fn range_prior(&self) -> Option<RangePrior> {
+        match self {
+            MeasurementModel::Bearing(bearing) => bearing.range_prior,
+            _ => None,
+        }
+    }
+
     /// The same with its ranges and bearings turned into positions.
     #[must_use]
     pub fn converted(self) -> Self {
@@ -149,19 +175,24 @@ impl MeasurementModel {
         }
     }
 
-    /// The same from where the sensor is at a scan.
+    /// The same from where the sensor is at a scan. Positions are those of the file's frame, whatever the pose.
     #[must_use]
     pub fn seen_from(&self, pose: &Pose) -> Self {
-        let place_m = pose.place.xy();
+        let (place_m, platform) = (pose.place.xy(), Platform::of(pose));
+        let moved = |polar: Polar| Polar {
+            place_m,
+            platform,
+            ..polar
+        };
         match *self {
             MeasurementModel::Position { .. } | MeasurementModel::Position3 { .. } => *self,
-            MeasurementModel::Polar(polar) => MeasurementModel::Polar(Polar { place_m, ..polar }),
-            MeasurementModel::Converted(polar) => {
-                MeasurementModel::Converted(Polar { place_m, ..polar })
-            }
-            MeasurementModel::Bearing(bearing) => {
-                MeasurementModel::Bearing(Bearing { place_m, ..bearing })
-            }
+            MeasurementModel::Polar(polar) => MeasurementModel::Polar(moved(polar)),
+            MeasurementModel::Converted(polar) => MeasurementModel::Converted(moved(polar)),
+            MeasurementModel::Bearing(bearing) => MeasurementModel::Bearing(Bearing {
+                place_m,
+                platform,
+                ..bearing
+            }),
             MeasurementModel::Spherical(spherical) => {
                 MeasurementModel::Spherical(spherical.seen_from(pose.place))
             }

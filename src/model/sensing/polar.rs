@@ -1,10 +1,12 @@
 //! Ranges and bearings, with range rates where the sensor measures them. Bearings are clockwise from north.
 //!
 //! # Symbols
-//! r, β, ṙ range, bearing and range rate; u, t unit vectors along the range and clockwise across it; p, v position and velocity.
+//! r, β, ṙ range, bearing and range rate; u, t unit vectors along the range and clockwise across it; p position, v velocity, less
+//! that of the sensor where it moves.
 
 use super::Sensing;
 use super::converted::{unbiased_covariance, unbiased_position};
+use super::platform::Platform;
 use super::position::at_rest;
 use crate::model::angle::wrap;
 use crate::model::scan::Measurement;
@@ -21,6 +23,7 @@ pub struct Polar {
     pub sigma_range_m: f64,
     pub sigma_bearing_rad: f64,
     pub range_rate: Option<RangeRate>,
+    pub platform: Platform,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,7 +100,7 @@ impl<const D: usize> Sensing<4, D> for Polar {
         values[0] = view.range_m;
         values[1] = view.bearing_rad;
         if D > 2 {
-            values[2] = view.along.dot(&state.fixed_rows::<2>(2));
+            values[2] = view.along.dot(&self.relative_mps(state));
         }
         values
     }
@@ -107,7 +110,7 @@ impl<const D: usize> Sensing<4, D> for Polar {
         let state = &belief.mean;
         let view = View::from(self.place_m, state);
         let range_m = view.least_range(belief);
-        let turn_radps = view.across.dot(&state.fixed_rows::<2>(2)) / range_m;
+        let turn_radps = view.across.dot(&self.relative_mps(state)) / range_m;
         let mut matrix = SMatrix::zeros();
         for axis in 0..2 {
             matrix[(0, axis)] = view.along[axis];
@@ -136,7 +139,7 @@ impl<const D: usize> Sensing<4, D> for Polar {
         second[0][(1, 1)] = 1.0 / range_m;
         second[1] = symmetric(0, 1, -1.0 / range_m.powi(2));
         if D > 2 {
-            let velocity_mps: Position = belief.mean.fixed_rows::<2>(2).into_owned();
+            let velocity_mps = self.relative_mps(&belief.mean);
             let range_m = view
                 .range_m
                 .max(10.0 * (covariance[(0, 0)] + covariance[(1, 1)]).max(0.0).sqrt());
@@ -152,14 +155,21 @@ impl<const D: usize> Sensing<4, D> for Polar {
         )
     }
 
-    fn noise(&self, _belief: &GaussianState) -> SMatrix<f64, D, D> {
+    fn noise(&self, belief: &GaussianState) -> SMatrix<f64, D, D> {
         let mut noise = SMatrix::zeros();
         noise[(0, 0)] = self.sigma_range_m.powi(2);
         noise[(1, 1)] = self.sigma_bearing_rad.powi(2);
         if let Some(rate) = self.range_rate.filter(|_| D > 2) {
             noise[(2, 2)] = rate.sigma_mps.powi(2);
         }
-        noise
+        match &self.platform.errors {
+            None => noise,
+            Some(errors) => {
+                let slopes: SMatrix<f64, D, 4> = self.jacobian(belief);
+                let bearing_rad = View::from(self.place_m, &belief.mean).bearing_rad;
+                noise + errors.noise(&slopes, 1, bearing_rad)
+            }
+        }
     }
 
     /// The plane's area a unit of (r, β) covers is r; with range rates, r over the interval that clutter's rates fill.
@@ -173,22 +183,44 @@ impl<const D: usize> Sensing<4, D> for Polar {
 
     /// A range rate is the velocity's part along the range.
     fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState> {
-        let position_m = unbiased_position(self, report[0], report[1]);
-        let noise = unbiased_covariance(self, position_m, &PositionCovariance::zeros());
-        let mut state = at_rest(&position_m, &noise, rate_sigma);
+        let polar = self.widened(report[1]);
+        let position_m = unbiased_position(&polar, report[0], report[1]);
+        let noise = unbiased_covariance(&polar, position_m, &PositionCovariance::zeros());
+        let mut state = at_rest(&position_m, &(noise + self.place_noise()), rate_sigma);
         if let Some(rate) = self.range_rate.filter(|_| D > 2) {
             let along = Position::new(report[1].sin(), report[1].cos());
             // Across the range nothing is known, and some of that looks like range rate when the bearing is wrong.
-            let known = rate.sigma_mps.powi(2) + (rate_sigma * self.sigma_bearing_rad).powi(2);
+            let known = rate.sigma_mps.powi(2) + (rate_sigma * polar.sigma_bearing_rad).powi(2);
             let gained = (rate_sigma.powi(2) - known).max(0.0);
             state
                 .mean
                 .fixed_rows_mut::<2>(2)
-                .copy_from(&(along * report[2]));
+                .copy_from(&(along * (report[2] + along.dot(&self.platform.velocity_mps))));
             let mut velocity = state.covariance.fixed_view_mut::<2, 2>(2, 2);
             velocity -= along * along.transpose() * gained;
         }
         Some(state)
+    }
+}
+
+impl Polar {
+    fn relative_mps(&self, state: &State) -> Position {
+        state.fixed_rows::<2>(2) - self.platform.velocity_mps
+    }
+
+    /// With the errors of the attitude in those of a bearing.
+    pub(super) fn widened(&self, bearing_rad: f64) -> Polar {
+        let mut polar = *self;
+        if let Some(errors) = &self.platform.errors {
+            polar.sigma_bearing_rad = errors.widened(self.sigma_bearing_rad, bearing_rad);
+        }
+        polar
+    }
+
+    /// What the errors of its place add to those of a position.
+    pub(super) fn place_noise(&self) -> PositionCovariance {
+        let errors = self.platform.errors.as_ref();
+        errors.map_or_else(PositionCovariance::zeros, |errors| errors.of_place())
     }
 }
 
@@ -214,6 +246,7 @@ mod tests {
             sigma_range_m: 3.0,
             sigma_bearing_rad,
             range_rate,
+            platform: Platform::STANDING,
         }
     }
 

@@ -12,6 +12,7 @@
 
 use super::Sensing;
 use super::in_space::{at_rest, unbiased_covariance, unbiased_place};
+use super::platform::Platform;
 use super::polar::{Polar, RangeRate};
 use super::site::{Sight, Site, axes};
 use super::{Bearing, site};
@@ -65,6 +66,7 @@ impl From<Bearing> for Spherical {
                 sigma_range_m: 1.0,
                 sigma_bearing_rad: bearing.sigma_bearing_rad,
                 range_rate: None,
+                platform: Platform::STANDING,
             })
         }
     }

@@ -10,6 +10,7 @@ use crate::hypotheses::Likelihoods;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
+use crate::model::space::Space;
 use crate::model::state::GaussianState;
 use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
@@ -46,6 +47,12 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         if matches!(self.lifecycle.initiation, Initiation::Truth { .. }) || !may_start {
             return Ok(unused);
         }
+        if let (MeasurementModel::Bearing(bearing), true) =
+            (report, K == 4 && !report.starts_in(Space::Plane))
+        {
+            self.start_at_crossings(scan, bearing, recorder)?;
+            return Ok(unused);
+        }
         for (index, detection) in scan.detections.iter().enumerate() {
             let (hypotheses, sigma_mps) = (
                 &self.scratch.hypotheses,
@@ -63,8 +70,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 state,
             };
             match self.pair_rule {
-                Some(_) => self.memory.initiator.push(point),
-                None => self.start_with_one(&point, recorder),
+                Some(_) if report.range_prior().is_none() => self.memory.initiator.push(point),
+                _ => self.start_with_one(&point, report, recorder),
             }
         }
         if let Some(rule) = self.pair_rule {
@@ -77,13 +84,29 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         Ok(unused)
     }
 
-    fn start_with_one(&mut self, point: &Point<K>, recorder: &mut dyn Recorder) {
-        let track = self.start(point, recorder);
-        self.memory.push(track, self.filter.begin(&point.state));
+    pub(super) fn start_with_one(
+        &mut self,
+        point: &Point<K>,
+        report: &MeasurementModel,
+        recorder: &mut dyn Recorder,
+    ) {
+        let (hypotheses, sigma_mps) = (
+            &self.scratch.hypotheses,
+            self.lifecycle.initial_speed_sigma_mps,
+        );
+        let parts = hypotheses.parts(&self.filter, report, sigma_mps, point.detection as usize);
+        let belief = self.filter.begin_among(&point.state, &parts);
+        let track = self.start(point, &belief, recorder);
+        self.memory.push(track, belief);
     }
 
     /// A new track, with its first point told.
-    fn start(&mut self, point: &Point<K>, recorder: &mut dyn Recorder) -> ActiveTrack {
+    fn start(
+        &mut self,
+        point: &Point<K>,
+        belief: &F::Belief,
+        recorder: &mut dyn Recorder,
+    ) -> ActiveTrack {
         let track = ActiveTrack {
             serial: self.memory.next_serial(),
             life: self
@@ -91,7 +114,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 .start(&Glance::first(point.time_s, point.sensor)),
             origin: point.origin,
         };
-        self.record_start(&track, point, recorder);
+        self.record_start(&track, point, belief, recorder);
         track
     }
 
@@ -127,20 +150,28 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         for rate in K / 2..K {
             pair.state.covariance[(rate, rate)] += wandered;
         }
+        let first = self.filter.begin(&pair.first.state);
         let track = ActiveTrack {
             life,
-            ..self.start(&pair.first, recorder)
+            ..self.start(&pair.first, &first, recorder)
         };
         let second = Point {
             state: pair.state,
             ..pair.second
         };
-        self.record_start(&track, &second, recorder);
-        self.memory.push(track, self.filter.begin(&pair.state));
+        let belief = self.filter.begin(&pair.state);
+        self.record_start(&track, &second, &belief, recorder);
+        self.memory.push(track, belief);
     }
 
     /// Tells the recorder of a track that a detection started, alone or as the second of two.
-    fn record_start(&mut self, track: &ActiveTrack, point: &Point<K>, recorder: &mut dyn Recorder) {
+    fn record_start(
+        &mut self,
+        track: &ActiveTrack,
+        point: &Point<K>,
+        belief: &F::Belief,
+        recorder: &mut dyn Recorder,
+    ) {
         let Scratch {
             kinematics,
             belief: packed,
@@ -148,10 +179,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         } = &mut self.scratch;
         kinematics.clear();
         point.state.pack_into(kinematics);
-        let belief = self.filter.begin(&point.state);
         packed.clear();
         if self.lifecycle.smoothing.is_some() {
-            F::pack(&belief, packed);
+            F::pack(belief, packed);
         }
         recorder.point(&RecordedPoint {
             serial: track.serial,
@@ -162,7 +192,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             kinematics,
             belief: packed,
             nis: None,
-            modes: F::mode_probabilities(&belief),
+            modes: F::mode_probabilities(belief),
             candidates: &[Candidate {
                 detection: Some(point.detection),
                 probability: 1.0,

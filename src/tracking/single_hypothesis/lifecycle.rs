@@ -249,7 +249,7 @@ impl Lifecycle {
                 (life.seen_by, life.detections) = ([0, life.seen_by[0]], 0);
             }
             life.seen_by[0] |= bit;
-            life.detections += 1;
+            life.detections = life.detections.saturating_add(1);
             (life.missed, life.unseen) = (0.0, 0);
             (life.last_sensor, life.last_time_s) = (glance.sensor as u32, glance.time_s);
             return 0.0;
@@ -257,7 +257,8 @@ impl Lifecycle {
         let sees = (life.seen_by[0] | life.seen_by[1]) & bit != 0;
         let share = if sees { glance.share.min(1.0) } else { 0.0 };
         life.missed += share;
-        life.unseen += u32::from(glance.sensor as u32 == life.last_sensor);
+        let is_last = glance.sensor as u32 == life.last_sensor;
+        life.unseen = life.unseen.saturating_add(u32::from(is_last));
         share
     }
 

@@ -5,6 +5,7 @@
 //! left; unused detections start tracks.
 
 pub mod confirmation;
+mod crossing;
 mod initiate;
 pub mod initiation;
 pub mod lifecycle;
@@ -28,6 +29,7 @@ use crate::model::sight::clutter::ClutterMap;
 use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
 use crate::registry::Method;
+use crossing::Ray;
 use initiate::pair_rule;
 use initiation::{Initiator, PairRule};
 use lifecycle::{Glance, LIFECYCLE, Lifecycle, TrackLifecycleState};
@@ -72,6 +74,8 @@ struct Memory<B, const K: usize> {
     /// Scans taken.
     scans: u32,
     initiator: Initiator<K>,
+    /// Bearings that no track used, of the last scan of each sensor.
+    rays: Vec<Vec<Ray>>,
     nis: Nis,
     /// Of each sensor that learns one.
     maps: Vec<Option<ClutterMap>>,
@@ -132,6 +136,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 last_time_s: None,
                 scans: 0,
                 initiator: Initiator::default(),
+                rays: Vec::new(),
                 nis: Nis::default(),
                 maps: parts.sensors.iter().map(new_map).collect(),
             },
@@ -421,7 +426,7 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
     }
 
     fn read_back(&mut self, written: &[u8]) -> Result<(), Box<Fault>> {
-        self.memory = written::read::<F, K>(written, self.associator.as_mut())?;
+        self.memory = written::read::<F, K>(written, &self.memory.maps, self.associator.as_mut())?;
         Ok(())
     }
 

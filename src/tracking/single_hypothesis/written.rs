@@ -1,13 +1,15 @@
 //! A tracker written down as JSON, every number by its bits.
 
+use super::crossing::Ray;
 use super::initiation::{Initiator, Point, Waiting};
 use super::lifecycle::TrackLifecycleState;
 use super::{ActiveTrack, Memory};
 use crate::association::Associator;
 use crate::filtering::Filter;
 use crate::model::fault::Fault;
+use crate::model::sensing::LineOfSight;
 use crate::model::sight::clutter::ClutterMap;
-use crate::model::state::GaussianState;
+use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::tracking::{Nis, bits};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -26,6 +28,9 @@ struct Written {
     tracks: Vec<WrittenTrack>,
     /// Of each sensor.
     waiting: Vec<Vec<WrittenPoint>>,
+    /// Of each sensor.
+    #[serde(default)]
+    rays: Vec<Vec<WrittenRay>>,
     nis: Nis,
     /// The map of clutter of each sensor that learns one.
     maps: Vec<Option<Vec<u64>>>,
@@ -52,6 +57,13 @@ struct WrittenPoint {
     missed: u32,
 }
 
+/// Time, place, bearing, its variance and the place's covariance.
+#[derive(Serialize, Deserialize)]
+struct WrittenRay {
+    origin: Option<u32>,
+    values: Vec<u64>,
+}
+
 pub(super) fn write<F: Filter<K>, const K: usize>(
     memory: &Memory<F::Belief, K>,
     associator: &dyn Associator,
@@ -71,6 +83,11 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
         waiting: waiting
             .map(|points| points.iter().map(write_point).collect())
             .collect(),
+        rays: memory
+            .rays
+            .iter()
+            .map(|rays| rays.iter().map(write_ray).collect())
+            .collect(),
         nis: memory.nis,
         maps: memory
             .maps
@@ -82,20 +99,23 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
     serde_json::to_vec(&written).expect("numbers and names are JSON")
 }
 
+/// `maps` are those of a tracker with the same parts.
+///
 /// # Errors
 /// Bytes that are no such writing.
 pub(super) fn read<F: Filter<K>, const K: usize>(
     bytes: &[u8],
+    maps: &[Option<ClutterMap>],
     associator: &mut dyn Associator,
 ) -> Result<Memory<F::Belief, K>, Box<Fault>> {
     let written: Written = serde_json::from_slice(bytes).map_err(|error| refuse(&error))?;
     if written.method != super::METHOD.name || written.version != VERSION {
         return Err(refuse(&format!("{} {}", written.method, written.version)));
     }
-    let read_map = |map: &Option<Vec<u64>>| {
-        let map = map.as_ref()?;
-        Some(ClutterMap::new(bits::values(map)))
-    };
+    let learnt: Vec<Option<ClutterMap>> = written.maps.iter().map(read_map).collect();
+    if !learnt.iter().map(cells).eq(maps.iter().map(cells)) {
+        return Err(refuse(&"the maps of clutter"));
+    }
     let mut memory = Memory {
         tracks: Vec::with_capacity(written.tracks.len()),
         beliefs: Vec::with_capacity(written.tracks.len()),
@@ -104,8 +124,9 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         last_time_s: written.last_time_s.map(f64::from_bits),
         scans: written.scans,
         initiator: Initiator::default(),
+        rays: Vec::with_capacity(written.rays.len()),
         nis: written.nis,
-        maps: written.maps.iter().map(read_map).collect(),
+        maps: learnt,
     };
     for track in written.tracks {
         let belief = F::unpack(&bits::values(&track.belief)).ok_or_else(|| refuse(&"a belief"))?;
@@ -122,10 +143,24 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         waiting.push(points.ok_or_else(|| refuse(&"a point"))?);
     }
     memory.initiator = Initiator::with_waiting(waiting);
+    for rays in &written.rays {
+        let rays: Option<Vec<Ray>> = rays.iter().map(read_ray).collect();
+        memory.rays.push(rays.ok_or_else(|| refuse(&"a ray"))?);
+    }
     associator
         .recall(&written.associator)
         .map_err(|error| refuse(&error))?;
     Ok(memory)
+}
+
+fn read_map(map: &Option<Vec<u64>>) -> Option<ClutterMap> {
+    let map = map.as_ref()?;
+    Some(ClutterMap::new(bits::values(map)))
+}
+
+/// Of a map, if there is one.
+fn cells(map: &Option<ClutterMap>) -> Option<usize> {
+    map.as_ref().map(|map| map.ratios().len())
 }
 
 fn refuse(what: &dyn std::fmt::Display) -> Box<Fault> {
@@ -173,5 +208,31 @@ fn read_point<const K: usize>(point: &WrittenPoint) -> Option<Waiting<K>> {
             state: GaussianState::unpacked(&bits::values(&point.kinematics))?,
         },
         missed: point.missed,
+    })
+}
+
+fn write_ray(ray: &Ray) -> WrittenRay {
+    let (place_m, spread_m2) = (&ray.sight.place_m, &ray.sight.spread_m2);
+    let mut values = vec![ray.time_s, ray.sight.bearing_rad, ray.sight.variance_rad2];
+    values.extend(place_m.iter().chain(spread_m2.iter()));
+    WrittenRay {
+        origin: ray.origin,
+        values: bits::of(&values),
+    }
+}
+
+fn read_ray(ray: &WrittenRay) -> Option<Ray> {
+    let values: [f64; 9] = bits::values(&ray.values).try_into().ok()?;
+    let [time_s, bearing_rad, variance_rad2, place @ ..] = values;
+    Some(Ray {
+        time_s,
+        origin: ray.origin,
+        sight: LineOfSight {
+            place_m: Position::new(place[0], place[1]),
+            bearing_rad,
+            variance_rad2,
+            spread_m2: PositionCovariance::from_column_slice(&place[2..]),
+        },
+        has_crossed: false,
     })
 }

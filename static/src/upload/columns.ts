@@ -11,6 +11,10 @@ const IDENTITIES = ["scan", "sensor_id", "detection_id", "truth_id", "track_id"]
 const OTHERS = ["amplitude", "probability", "status", "nis", "existence"];
 /** How probable each motion model of a track is. */
 const MODES = [1, 2, 3, 4, 5, 6].map((model) => `mode_${model}`);
+/** Where a sensor that moves is, how fast, how it is turned, and how well that is known. */
+const KINEMATICS = ["x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps"];
+const POSE = [...KINEMATICS, "heading_deg", "pitch_deg", "roll_deg"];
+const POSES = [...POSE, ...POSE.map((name) => `sigma_${name}`)].map((name) => `sensor_${name}`);
 const SIGMAS = ["sigma_x_m", "sigma_y_m", "sigma_range_m", "sigma_bearing_deg"];
 const ATTRIBUTES = [
   "address",
@@ -47,6 +51,7 @@ export const CANONICAL: string[] = [
   ...OTHERS,
   ...MODES,
   ...ATTRIBUTES.flatMap(inUnits),
+  ...POSES.flatMap(inUnits),
   ...SIGMAS,
   ...COVARIANCES,
 ];

@@ -4,7 +4,7 @@ use super::*;
 use trackloom_domain::model::scan::Measurement;
 
 const HEADER: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m\n";
-const KNOWN: &str = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
+const KNOWN: &str = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, sensor_x_m, sensor_y_m, sensor_z_m, sensor_vx_mps, sensor_vy_mps, sensor_vz_mps, sensor_heading_deg, sensor_pitch_deg, sensor_roll_deg, sensor_sigma_x_m, sensor_sigma_y_m, sensor_sigma_z_m, sensor_sigma_vx_mps, sensor_sigma_vy_mps, sensor_sigma_vz_mps, sensor_sigma_heading_deg, sensor_sigma_pitch_deg, sensor_sigma_roll_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
 
 fn detections(rows: &str) -> Fault {
     fault("csv", format!("{HEADER}{rows}"))

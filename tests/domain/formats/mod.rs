@@ -12,6 +12,7 @@ mod hostile;
 mod json;
 mod mot;
 mod outputs;
+mod poses;
 mod round_trip;
 mod volumes;
 

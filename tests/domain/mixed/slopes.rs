@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::angle::difference;
 use trackloom_domain::model::sensing::{
-    Bearing, Converted, Direction, Polar, Positions, RangeRate, Sensing,
+    Bearing, Converted, Direction, Platform, Polar, Positions, RangeRate, Sensing,
 };
 use trackloom_domain::model::state::{GaussianState, Position};
 
@@ -83,6 +83,7 @@ fn the_jacobians_in_the_plane_are_central_differences() {
         sigma_range_m: 10.0,
         sigma_bearing_rad: 0.01,
         range_rate: None,
+        platform: Platform::STANDING,
     };
     let doppler = Polar {
         range_rate: Some(rate),
@@ -91,6 +92,8 @@ fn the_jacobians_in_the_plane_are_central_differences() {
     let bearing = Bearing {
         place_m: PLACE_M,
         sigma_bearing_rad: 0.01,
+        platform: Platform::STANDING,
+        range_prior: None,
     };
     for _ in 0..STATES {
         let (mean, steps) = state_of_plane(&mut draw);
@@ -108,6 +111,8 @@ fn the_jacobian_of_a_direction_is_a_central_difference() {
     let direction = Direction(Bearing {
         place_m: PLACE_M,
         sigma_bearing_rad: 0.01,
+        platform: Platform::STANDING,
+        range_prior: None,
     });
     for _ in 0..STATES {
         let mean = Vector2::new(draw.random_range(-TAU..TAU), draw.random_range(-0.1..0.1));

@@ -20,7 +20,9 @@ use trackloom_domain::model::motion::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use trackloom_domain::model::motion::singer::Singer;
 use trackloom_domain::model::motion::unknown_turn::UnknownTurn;
 use trackloom_domain::model::scan::Measurement;
-use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Polar, Site, Spherical};
+use trackloom_domain::model::sensing::{
+    Bearing, MeasurementModel, Platform, Polar, Site, Spherical,
+};
 use trackloom_domain::model::space::Place;
 use trackloom_domain::model::state::{GaussianState, Position};
 
@@ -84,11 +86,14 @@ fn of_the_plane() -> Vec<Vec<MeasurementModel>> {
         sigma_range_m: 5.0,
         sigma_bearing_rad: 0.002,
         range_rate: None,
+        platform: Platform::STANDING,
     };
     let bearing = |x_m: f64, y_m: f64| {
         MeasurementModel::Bearing(Bearing {
             place_m: Position::new(x_m, y_m),
             sigma_bearing_rad: 0.002,
+            platform: Platform::STANDING,
+            range_prior: None,
         })
     };
     let position = MeasurementModel::Position {

@@ -9,7 +9,7 @@ use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::motion::constant_velocity::ConstantVelocity;
 use trackloom_domain::model::motion::in_space::ClimbingVelocity;
 use trackloom_domain::model::scan::Measurement;
-use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
+use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Platform, Polar, RangeRate};
 use trackloom_domain::model::state::{GaussianState, Position};
 
 const MOTION: ConstantVelocity = ConstantVelocity {
@@ -32,6 +32,7 @@ fn polar(range_rate: Option<RangeRate>) -> Polar {
         sigma_range_m: 20.0,
         sigma_bearing_rad: 0.01,
         range_rate,
+        platform: Platform::STANDING,
     }
 }
 
@@ -44,6 +45,8 @@ fn what_is_reported_of_the_plane_updates_space_as_the_plane() {
     let bearing = Bearing {
         place_m: Position::new(-300.0, 200.0),
         sigma_bearing_rad: 0.01,
+        platform: Platform::STANDING,
+        range_prior: None,
     };
     let position = MeasurementModel::Position {
         sigma_x_m: 10.0,

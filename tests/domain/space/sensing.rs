@@ -4,8 +4,8 @@ use super::{FAR, SITES, State6, belief, radar, site_of, turned};
 use nalgebra::{Matrix3, SMatrix, SVector};
 use trackloom_domain::model::scan::Measurement;
 use trackloom_domain::model::sensing::{
-    Bearing, Directions, Dispatch, MeasurementModel, Places, Polar, Ranges, Sensing, Site,
-    Spherical, WithSensing, unbiased_covariance, unbiased_place,
+    Bearing, Directions, Dispatch, MeasurementModel, Places, Platform, Polar, Ranges, Sensing,
+    Site, Spherical, WithSensing, unbiased_covariance, unbiased_place,
 };
 use trackloom_domain::model::space::Place;
 use trackloom_domain::model::state::{GaussianState, Position};
@@ -182,6 +182,7 @@ fn models() -> Vec<MeasurementModel> {
         sigma_range_m: 30.0,
         sigma_bearing_rad: 0.004,
         range_rate: full.range_rate,
+        platform: Platform::STANDING,
     };
     vec![
         MeasurementModel::Spherical(full),
@@ -200,6 +201,8 @@ fn models() -> Vec<MeasurementModel> {
         MeasurementModel::Bearing(Bearing {
             place_m: polar.place_m,
             sigma_bearing_rad: 0.004,
+            platform: Platform::STANDING,
+            range_prior: None,
         }),
         MeasurementModel::Position {
             sigma_x_m: 3.0,

@@ -8,7 +8,7 @@ use crate::model::scan::{Measurement, Recording};
 use crate::model::sensor::SensorSettings;
 use crate::model::space::Space;
 
-/// Nothing is exact: σ is at least this.
+/// What errs by no more is no measurement, but made up: it tells nothing of a noise.
 const LEAST_SIGMA: f64 = 1e-6;
 /// Fewer residuals tell nothing.
 const LEAST_RESIDUALS: usize = 5;
@@ -143,7 +143,8 @@ pub fn keep_guesses(fields: &[Field], guessed: &SensorSettings, estimates: &mut 
         let is_told = |estimate: &Estimate| {
             estimate.sensor_id == guessed.sensor_id && estimate.setting == *name
         };
-        let Some(sigma) = get(guessed, name).filter(|_| !estimates.iter().any(is_told)) else {
+        let guess = get(guessed, name).filter(|sigma| *sigma > LEAST_SIGMA);
+        let Some(sigma) = guess.filter(|_| !estimates.iter().any(is_told)) else {
             continue;
         };
         estimates.push(Estimate {
@@ -178,6 +179,7 @@ pub fn estimates(
         let Some(sigma) = residuals
             .sigma(axis)
             .filter(|sigma| sigma.count >= LEAST_RESIDUALS)
+            .filter(|sigma| in_units(name, sigma.value) > LEAST_SIGMA)
         else {
             continue;
         };
@@ -189,7 +191,7 @@ pub fn estimates(
         estimates.push(Estimate {
             sensor_id: settings.sensor_id.clone(),
             setting: name,
-            value: three_digits(in_units(name, growth * sigma.value).max(LEAST_SIGMA)),
+            value: three_digits(in_units(name, growth * sigma.value)),
             standard_error: three_digits(in_units(name, growth * sigma.standard_error)),
             from: format!(
                 "{} triples of detections of {} tracks{by_innovations}",

@@ -74,7 +74,7 @@ impl Scene {
             SETTINGS,
             &mut warnings,
         );
-        run.unwrap().0.start(&settled.filter.filter).unwrap()
+        run.unwrap().0.start().unwrap()
     }
 
     fn scans(&self) -> usize {
@@ -153,7 +153,26 @@ fn scenes() -> Vec<Scene> {
         let body = json!({"input": input, "associator": associator, "tracker": tracker, "filter": filter});
         scenes.push(Scene::of(format!("more-{number}"), &body));
     }
+    scenes.push(crossing_scene());
     scenes
+}
+
+/// Two cameras whose bearings cross, with more bearings than those of the ship.
+fn crossing_scene() -> Scene {
+    let camera = |name: &str, x_m: f64| {
+        json!({"sensor_id": name, "x_m": x_m, "y_m": 0.0, "max_range_m": 1e4, "p_d": 0.8,
+            "sigma_bearing_deg": 0.3, "clutter_per_scan": 1.0})
+    };
+    let ship = json!({"truth_id": "1", "x_m": 900.0, "y_m": 4000.0, "vx_mps": 5.0, "vy_mps": -3.0});
+    let body = json!({
+        "input": {"source": "scenario", "scenario": {
+            "scans": 20, "scan_period_s": 2.0, "sensors": [camera("east", 2000.0), camera("west", 0.0)],
+            "targets": {"kind": "listed", "targets": [ship]}}},
+        "sensors": [{"sensor_id": "east", "may_start": true}, {"sensor_id": "west", "may_start": true}],
+        "associator": {"method": "jpda"},
+        "filter": {"method": "unscented"}
+    });
+    Scene::of("crossing".into(), &body)
 }
 
 #[test]
@@ -256,8 +275,11 @@ fn what_no_tracker_wrote_is_refused() {
     scene.feed(tracker.as_mut(), 0..3);
     let written = String::from_utf8(tracker.write_down()).unwrap();
     let shorter = written.replacen("\"belief\":[", "\"belief\":[1,", 1);
-    let newer = written.replacen("\"version\":1", "\"version\":2", 1);
-    for wrong in ["", "{}", &written[..written.len() / 2], &shorter, &newer] {
+    let newer = written.replacen("\"version\":2", "\"version\":3", 1);
+    let mapped = written.replacen("\"maps\":[null", "\"maps\":[[0]", 1);
+    assert!(newer != written && mapped != written && shorter != written);
+    let half = &written[..written.len() / 2];
+    for wrong in ["", "{}", half, &shorter, &newer, &mapped] {
         let before = says(tracker.as_ref());
         let fault = tracker.read_back(wrong.as_bytes()).unwrap_err();
         assert_eq!(fault.pointer, "/tracker");

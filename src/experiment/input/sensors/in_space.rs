@@ -3,7 +3,7 @@
 use super::{Kind, NoiseReader};
 use crate::experiment::input::extent::{detections_of, elevations_rad, heights_m, place_of};
 use crate::geodesy::Geodetic;
-use crate::model::scan::{Measurement, Recording};
+use crate::model::scan::Recording;
 use crate::model::sensing::{MeasurementModel, Site, Spherical};
 use crate::model::sensor::SensorSettings;
 use crate::model::space::Frame;
@@ -21,12 +21,14 @@ fn tells_heights(recording: &Recording, sensor: usize) -> bool {
 
 /// How many of a sensor's detections have a height or an elevation, and how many there are.
 fn counts(recording: &Recording, sensor: usize) -> (usize, usize) {
-    let tells = |measurement: &Measurement| {
-        measurement.tells_height() || measurement.elevation_rad().is_some()
-    };
-    let detections = || detections_of(recording, sensor);
-    let telling = detections().filter(|one| tells(&one.measurement)).count();
-    (telling, detections().count())
+    let (mut telling, mut all) = (0, 0);
+    for detection in detections_of(recording, sensor) {
+        let measurement = &detection.measurement;
+        let tells = measurement.tells_height() || measurement.elevation_rad().is_some();
+        telling += usize::from(tells);
+        all += 1;
+    }
+    (telling, all)
 }
 
 impl NoiseReader<'_> {

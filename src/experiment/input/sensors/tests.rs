@@ -184,6 +184,7 @@ fn a_polar_sensor_takes_its_noise_in_degrees_and_its_range_rates_only_when_all_h
             sigma_mps: 0.5,
             span_mps: 30.0,
         }),
+        platform: Platform::STANDING,
     };
     let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, Some(20.0))]);
     assert_eq!(report, MeasurementModel::Polar(expected));
@@ -231,7 +232,9 @@ fn a_bearing_sensor_takes_its_clutter_per_degree_and_ranges_are_left_out_with_a_
             sensors[0].report,
             MeasurementModel::Bearing(Bearing {
                 place_m: Position::zeros(),
-                sigma_bearing_rad: 1f64.to_radians()
+                sigma_bearing_rad: 1f64.to_radians(),
+                platform: Platform::STANDING,
+                range_prior: None,
             })
         );
         (sensors[0].clutter_density.to_radians(), warnings)
@@ -287,6 +290,8 @@ fn a_density_over_the_wrong_space_is_named() {
     let of_bearings = MeasurementModel::Bearing(Bearing {
         place_m: Position::zeros(),
         sigma_bearing_rad: 0.1,
+        platform: Platform::STANDING,
+        range_prior: None,
     });
     let of_places = MeasurementModel::Position {
         sigma_x_m: 1.0,

@@ -1,5 +1,6 @@
 //! Where the columns of detections are.
 
+use super::poses::PoseColumns;
 use crate::formats::table::header::Header;
 
 /// The file's columns by what they mean.
@@ -21,6 +22,7 @@ pub(super) struct Columns {
     pub truth: Option<usize>,
     pub z: Option<usize>,
     pub height: Option<usize>,
+    pub pose: PoseColumns,
     pub attributes: Vec<(&'static str, usize)>,
 }
 
@@ -47,6 +49,7 @@ impl Columns {
             truth: header.find("truth_id"),
             z: header.find("z_m"),
             height: header.find("height_m"),
+            pose: PoseColumns::from_header(header),
             attributes: header.attributes(),
         }
     }

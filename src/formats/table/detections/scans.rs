@@ -10,6 +10,7 @@ use crate::geodesy::Stereographic;
 use crate::model::beside::Beside;
 use crate::model::fault::Fault;
 use crate::model::names::natural_order;
+use crate::model::pose::Pose;
 use crate::model::scan::{Measurement, Recording, RecordingParts, Scan, mean_time_s};
 use crate::model::sensor::SensorSettings;
 use crate::model::space::Frame;
@@ -40,6 +41,7 @@ pub(super) fn group(
         timed(&builder, &mut order, reading, &mut told)
     };
     check_numbers(&builder, &groups, &order, reader, columns);
+    check_poses(&builder, &groups, &order, reader, columns);
     groups.sort_by(|a, b| {
         let name = |group: &Group| builder.sensors.name(group.sensor);
         a.time_s
@@ -228,6 +230,38 @@ fn check_numbers(
     }
 }
 
+/// A sensor is at one place at a time.
+fn check_poses(
+    builder: &Builder,
+    groups: &[Group],
+    order: &[usize],
+    reader: &mut RowReader,
+    columns: &Columns,
+) {
+    let Some(column) = columns.pose.first() else {
+        return;
+    };
+    for group in groups {
+        for pair in order[group.rows.clone()].windows(2) {
+            let (before, after) = (&builder.found[pair[0]], &builder.found[pair[1]]);
+            let poses = before.pose.zip(after.pose);
+            let differ = poses.is_some_and(|(before, after)| {
+                builder.poses[before as usize] != builder.poses[after as usize]
+            });
+            if before.time_s == after.time_s && differ {
+                let detail = format!(
+                    "scan {} of sensor '{}' has another pose at {} s: {}",
+                    group.number,
+                    builder.sensors.name(group.sensor),
+                    before.time_s,
+                    reader.called(before.row)
+                );
+                reader.fault_in(after.row, column, "conflict", detail);
+            }
+        }
+    }
+}
+
 fn check_ids(
     builder: &Builder,
     groups: &[Group],
@@ -287,7 +321,7 @@ fn assemble(
             number: group.number,
             time_s: group.time_s,
             sensor: sensor_place[group.sensor as usize] as usize,
-            pose: None,
+            pose: pose_of(&builder, group, order),
             detections: Vec::with_capacity(kept.len() - from),
         };
         for &row in &kept[from..] {
@@ -315,6 +349,18 @@ fn assemble(
     }
     parts.beside = beside(builder, &kept, columns, has_own_times);
     Recording::new(parts)
+}
+
+/// That of the row nearest in time to the scan, of those that have one.
+fn pose_of(builder: &Builder, group: &Group, order: &[usize]) -> Option<Pose> {
+    let rows = order[group.rows.clone()]
+        .iter()
+        .map(|&row| &builder.found[row]);
+    let away_s = |row: &Found| (row.time_s - group.time_s).abs();
+    let nearest = rows
+        .filter(|row| row.pose.is_some())
+        .min_by(|a, b| away_s(a).total_cmp(&away_s(b)))?;
+    builder.poses.get(nearest.pose? as usize).copied()
 }
 
 fn settings_of(name: String, declared: &[SensorSettings]) -> SensorSettings {

@@ -1,5 +1,6 @@
 //! Detections as rows, with the columns that their recording needs.
 
+use super::poses::PoseLayout;
 use crate::formats::table::Sink;
 use crate::formats::table::degrees::degrees;
 use crate::formats::table::estimate::rounded_deg;
@@ -15,6 +16,7 @@ use std::io;
 pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     let layout = Layout::for_recording(recording);
     let mut columns = layout.columns();
+    columns.extend(layout.pose.columns());
     columns.extend(recording.beside.attributes.keys());
     sink.begin(&columns)?;
     let plane = recording.frame.map(Stereographic::from);
@@ -45,6 +47,7 @@ struct Layout {
     /// Latitude and longitude.
     earth: bool,
     height: bool,
+    pose: PoseLayout,
 }
 
 impl Layout {
@@ -73,6 +76,7 @@ impl Layout {
             z: has(|measurement| measurement.z_m().is_some()),
             earth: recording.frame.is_some(),
             height: !recording.beside.heights_m.is_empty(),
+            pose: PoseLayout::for_recording(recording),
         }
     }
 
@@ -177,7 +181,7 @@ fn polar_of(measurement: &Measurement) -> (Option<f64>, Option<f64>, Option<f64>
     }
 }
 
-/// Where it is on the Earth, how high, and its attributes; ends the row.
+/// Where it is on the Earth, how high, where its sensor is, and its attributes; ends the row.
 fn write_beside(
     (recording, scan, plane): (&Recording, &Scan, Option<&Stereographic>),
     found: Option<(usize, &Detection)>,
@@ -197,6 +201,7 @@ fn write_beside(
         let height_m = found.and_then(|(index, _)| beside.heights_m.get(index).copied());
         sink.number(height_m.flatten())?;
     }
+    layout.pose.write(scan.pose.as_ref(), sink)?;
     for labels in beside.attributes.values() {
         sink.text(found.and_then(|(index, _)| labels.get(index)))?;
     }

@@ -1,7 +1,9 @@
 //! What a user is told of the names of columns.
 
 use super::Schema;
+use crate::formats::table::{FaultLog, Rows};
 use crate::model::names::shorten;
+use std::collections::BTreeMap;
 
 /// Names in a message: the first ones, each cut to a length that fits.
 pub(super) fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
@@ -50,4 +52,21 @@ pub(super) fn warnings(schema: &Schema, file_names: &[String], names: &[String])
         ));
     }
     warnings
+}
+
+/// Reports a column that is there twice.
+pub(super) fn check_duplicates(rows: &dyn Rows, names: &[String], faults: &mut FaultLog) {
+    let mut places = BTreeMap::new();
+    for (index, name) in names.iter().enumerate() {
+        let first = *places.entry(name).or_insert(index);
+        if first == index {
+            continue;
+        }
+        let detail = format!(
+            "column '{name}' occurs twice: columns {} and {}",
+            first + 1,
+            index + 1
+        );
+        faults.push(rows.header_fault(Some(&rows.names()[index]), "duplicate", detail));
+    }
 }
