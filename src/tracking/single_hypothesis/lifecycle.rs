@@ -14,8 +14,9 @@
 //! scans among which detections are counted where its share is one half at least.
 //!
 //! P_D is rarely known for each track, so a sensor is taken to see a track only if it detected it lately: among the last
-//! `max_missed` detections of the track by whichever sensors, or the `max_missed` before these. Misses of the others count
-//! nothing. For one sensor alone this changes nothing.
+//! `max_missed` detections of the track by whichever sensors, or the `max_missed` before these. A tentative track is too young
+//! to tell: all sensors that ever detected a confirmed track are taken to see it, so that what one sensor alone sees of clutter is
+//! not confirmed the more easily. Misses of the others count nothing. For one sensor alone this changes nothing.
 //!
 //! So that what has left every field of view ends too, a track ends after [`UNSEEN`] times `max_missed` scans of the sensor that
 //! detected it last, whatever they count.
@@ -172,6 +173,8 @@ pub(super) struct Glance {
     /// Index of the sensor.
     pub sensor: usize,
     pub was_detected: bool,
+    /// Whether the sensor ever detected a confirmed track.
+    pub finds_targets: bool,
     /// P_D of the track over the highest of the sensors.
     pub share: f64,
     /// What the scan adds to the score; matters only when [`Lifecycle::is_scored`].
@@ -190,6 +193,7 @@ impl Glance {
             time_s,
             sensor,
             was_detected: true,
+            finds_targets: false,
             share: 1.0,
             log_ratio: 0.0,
         }
@@ -254,7 +258,8 @@ impl Lifecycle {
             (life.last_sensor, life.last_time_s) = (glance.sensor as u32, glance.time_s);
             return 0.0;
         }
-        let sees = (life.seen_by[0] | life.seen_by[1]) & bit != 0;
+        let saw = (life.seen_by[0] | life.seen_by[1]) & bit != 0;
+        let sees = saw || (glance.finds_targets && !life.is_confirmed);
         let share = if sees { glance.share.min(1.0) } else { 0.0 };
         life.missed += share;
         let is_last = glance.sensor as u32 == life.last_sensor;

@@ -77,6 +77,8 @@ struct Memory<B, const K: usize> {
     /// Bearings that no track used, of the last scan of each sensor.
     rays: Vec<Vec<Ray>>,
     nis: Nis,
+    /// One bit a sensor: which of them ever detected a confirmed track.
+    finders: u64,
     /// Of each sensor that learns one.
     maps: Vec<Option<ClutterMap>>,
 }
@@ -138,6 +140,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 initiator: Initiator::default(),
                 rays: Vec::new(),
                 nis: Nis::default(),
+                finders: 0,
                 maps: parts.sensors.iter().map(new_map).collect(),
             },
             sensors: parts.sensors,
@@ -256,6 +259,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 probability: missed,
             });
         }
+        let bit = 1 << scan.sensor.min(63);
+        let finds_targets = self.memory.finders & bit != 0;
         let (track, belief) = self.memory.track_mut(index);
         F::update(belief, hypotheses.loss(row), weighted);
         let was_confirmed = track.life.is_confirmed();
@@ -264,6 +269,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             sensor: scan.sensor,
             // The scan is a hit when it is more probable that the track was detected than that it was not.
             was_detected: detected > missed,
+            finds_targets,
             share: hypotheses.p_d(row) / self.highest_p_d,
             log_ratio,
         };
@@ -275,6 +281,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             self.mark_used();
             if was_confirmed && detected > 0.0 {
                 self.memory.nis.add(weighted_nis, detected);
+            }
+            if was_confirmed && detected > missed {
+                self.memory.finders |= bit;
             }
             let nis = (detected > 0.0).then(|| weighted_nis / detected);
             self.record(index, scan, nis, recorder);

@@ -32,6 +32,7 @@ struct Written {
     #[serde(default)]
     rays: Vec<Vec<WrittenRay>>,
     nis: Nis,
+    finders: u64,
     /// The map of clutter of each sensor that learns one.
     maps: Vec<Option<Vec<u64>>>,
     associator: Value,
@@ -89,6 +90,7 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
             .map(|rays| rays.iter().map(write_ray).collect())
             .collect(),
         nis: memory.nis,
+        finders: memory.finders,
         maps: memory
             .maps
             .iter()
@@ -126,6 +128,7 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         initiator: Initiator::default(),
         rays: Vec::with_capacity(written.rays.len()),
         nis: written.nis,
+        finders: written.finders,
         maps: learnt,
     };
     for track in written.tracks {

@@ -102,6 +102,37 @@ fn a_sensor_that_never_detects_a_track_deletes_none() {
 }
 
 #[test]
+fn a_tentative_track_is_judged_by_all_sensors_that_find_targets() {
+    // Three of the last four scans confirm: with the misses of B two of four are the most.
+    let ends = |finds_targets: bool| {
+        let mut life = LIFE.start(&Glance::first(0.0, 0));
+        for scan in 1..8 {
+            let glance = Glance {
+                was_detected: scan % 2 == 0,
+                finds_targets,
+                ..Glance::first(f64::from(scan), scan as usize % 2)
+            };
+            LIFE.advance(&mut life, &glance);
+        }
+        life.is_confirmed()
+    };
+    assert_eq!([false, true].map(ends), [true, false]);
+    // One that is confirmed is not.
+    let mut life = LIFE.start(&Glance::first(0.0, 0));
+    LIFE.advance(&mut life, &Glance::first(1.0, 0));
+    LIFE.advance(&mut life, &Glance::first(2.0, 0));
+    for scan in 3..9 {
+        let missed = Glance {
+            was_detected: false,
+            finds_targets: true,
+            ..Glance::first(f64::from(scan), 1)
+        };
+        LIFE.advance(&mut life, &missed);
+    }
+    assert!(!life.is_over());
+}
+
+#[test]
 fn a_sensor_that_detects_a_track_no_more_is_forgotten() {
     // After three detections by B and three more, A has no say: b is a first real miss.
     assert_eq!(statuses_of(&LIFE, "AAABaBaBaBaBaBaba"), "ttcc-c-c-c-c-c---");
