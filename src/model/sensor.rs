@@ -106,7 +106,7 @@ pub struct SensorSettings {
     pub clutter: Option<ClutterSettings>,
     /// What bearings are counted from; north when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "service", schema(nullable = false))]
+    #[cfg_attr(feature = "service", schema(nullable = false, inline))]
     pub bearings: Option<BearingReference>,
     /// Nearest range of a target that a bearing alone starts a track of.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -57,7 +57,7 @@ async fn a_row_of_the_wrong_length_is_refused() {
 async fn a_missing_column_is_named_with_those_that_are_known() {
     let found = refusal("time_s,scan,sensor_id,detection_id,x_m\n0,1,radar,a,1\n").await;
     let detail = "column 'y_m' is missing: x_m, y_m come together";
-    let allowed = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
+    let allowed = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, sensor_x_m, sensor_y_m, sensor_z_m, sensor_vx_mps, sensor_vy_mps, sensor_vz_mps, sensor_heading_deg, sensor_pitch_deg, sensor_roll_deg, sensor_sigma_x_m, sensor_sigma_y_m, sensor_sigma_z_m, sensor_sigma_vx_mps, sensor_sigma_vy_mps, sensor_sigma_vz_mps, sensor_sigma_heading_deg, sensor_sigma_pitch_deg, sensor_sigma_roll_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
     let fault = json!({"pointer": "/file", "code": "missing", "detail": detail, "allowed": allowed, "line": 1, "column": "y_m"});
     assert_eq!(found, validation(detail, json!([fault])));
 }

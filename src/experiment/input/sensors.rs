@@ -110,18 +110,8 @@ pub fn resolve(
         };
         let uses_rates =
             kind == Kind::Polar && uses_range_rates(recording, index, filter, warnings);
-        if kind == Kind::Bearing
-            && detections_of(recording, index).any(|detection| {
-                matches!(
-                    detection.measurement.flat(),
-                    Measurement::RangeBearing { .. }
-                )
-            })
-        {
-            warnings.push(format!(
-                "sensor '{}': its ranges are not used",
-                settings.sensor_id
-            ));
+        if kind == Kind::Bearing {
+            warnings.extend(unused_ranges(recording, index));
         }
         let rates_mps = uses_rates.then(|| range_rate_span_mps(recording, index));
         let reader = NoiseReader {
@@ -162,6 +152,14 @@ pub fn resolve(
     } else {
         Err(faults)
     }
+}
+
+/// A warning where a sensor's ranges are not used.
+fn unused_ranges(recording: &Recording, index: usize) -> Option<String> {
+    let mut reports = detections_of(recording, index).map(|one| one.measurement.flat());
+    let has_ranges = reports.any(|report| matches!(report, Measurement::RangeBearing { .. }));
+    let id = &recording.sensors[index].sensor_id;
+    has_ranges.then(|| format!("sensor '{id}': its ranges are not used"))
 }
 
 /// The filter that starts tracks at ranges, where a sensor's bearings start any.

@@ -64,14 +64,14 @@ fn a_slant_range_with_its_elevation_is_tens_of_metres_off_in_space_and_in_the_pl
     let error_m = value(&outcome, "kinematics", "position_rmse");
     assert!(error_m < 30.0, "{error_m}");
     assert_eq!(value(&outcome, "clear", "tp"), 10.0);
-    let assumed = "the noise of its elevations is not known; that of its bearings, 0.2 deg, is assumed: 'sigma_elevation_deg' says it";
+    let estimated = "sensor 'r': sigma_elevation_deg 0.236";
     let told = |outcome: &Outcome, words: &str| {
         outcome
             .warnings
             .iter()
             .any(|warning| warning.contains(words))
     };
-    assert!(told(&outcome, assumed), "{:?}", outcome.warnings);
+    assert!(told(&outcome, estimated), "{:?}", outcome.warnings);
     let flat = slant_job(|body| body["tracker"]["space"] = json!("plane"));
     let error_m = value(&flat, "kinematics", "position_rmse");
     assert!(
