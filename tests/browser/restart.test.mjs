@@ -30,7 +30,7 @@ test("pages survive a restart of the service, and so does the job they show", as
   const post = {
     method: "POST",
     headers: { "content-type": "application/json" },
-    body: JSON.stringify({ ...(await campaign(2000)), name: "over a restart" }),
+    body: JSON.stringify({ ...(await campaign(1000)), name: "over a restart" }),
   };
   const { id } = await (await fetch(`${service.base}/v1/jobs/campaign`, post)).json();
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
