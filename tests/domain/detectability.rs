@@ -29,18 +29,19 @@ fn csv(scans: &[(f64, &str, Vec<[f64; 2]>)]) -> String {
     text
 }
 
-fn tracked(text: &str, body: &Value) -> Outcome {
-    let dataset =
-        (format_named("csv").unwrap().read)(&mut text.as_bytes(), &ReadOptions::default())
-            .unwrap()
-            .dataset;
-    let input = Input {
-        dataset,
+fn input_of(text: &str) -> Input {
+    let read = format_named("csv").unwrap().read;
+    let outcome = read(&mut text.as_bytes(), &ReadOptions::default()).unwrap();
+    Input {
+        dataset: outcome.dataset,
         sensors: Vec::new(),
         sha256: String::new(),
-    };
+    }
+}
+
+fn tracked(text: &str, body: &Value) -> Outcome {
     let plan = plan(JobKind::Associate, body).unwrap_or_else(|faults| panic!("{faults:?}"));
-    experiment::run(&plan, vec![Some(input)], &mut Silent).unwrap()
+    experiment::run(&plan, vec![Some(input_of(text))], &mut Silent).unwrap()
 }
 
 /// A job on such a file.
@@ -159,16 +160,7 @@ fn what_leaves_every_field_of_view_ends() {
 #[test]
 fn limits_that_are_none_are_told() {
     let faults_of = |more: Value| {
-        let text = through_an_arc(|_| false);
-        let dataset =
-            (format_named("csv").unwrap().read)(&mut text.as_bytes(), &ReadOptions::default())
-                .unwrap()
-                .dataset;
-        let input = Input {
-            dataset,
-            sensors: Vec::new(),
-            sha256: String::new(),
-        };
+        let input = input_of(&through_an_arc(|_| false));
         let plan = plan(JobKind::Associate, &body(json!([radar(more)]), TRACKER())).unwrap();
         format!(
             "{:?}",

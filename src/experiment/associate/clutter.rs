@@ -5,7 +5,7 @@ use super::track::ResolvedRecording;
 use crate::experiment::input::extent::Extent;
 use crate::math::stats::quantile;
 use crate::model::scan::{Measurement, Recording, Scan};
-use crate::model::sensor::Sensor;
+use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::sight::clutter::{ClutterMap, ClutterPlan};
 use crate::model::sight::{Sight, Spot};
 use crate::model::track::TrackSet;
@@ -66,21 +66,18 @@ pub fn lines(
     tracks: &TrackSet,
     maps: &[Option<ClutterMap>],
 ) -> Option<Vec<ClutterLine>> {
-    let used = used_detections(data.recording, tracks);
-    let mut found = Vec::with_capacity(data.sensors.len());
+    let mut methods = Vec::with_capacity(data.sensors.len());
     for (index, (settings, sensor)) in data.known.iter().zip(data.sensors).enumerate() {
         let extent = Extent::measure(data.recording, index, settings, &sensor.report);
-        let plan = sensor
-            .sight
-            .as_ref()
-            .and_then(|sight| sight.clutter.as_ref());
-        let method = match plan {
-            Some(ClutterPlan::Map(_)) => "map",
-            Some(ClutterPlan::Nearest { .. }) => "nearest",
-            None if has_sectors(sensor) => "sectors",
-            None if extent.density_of(settings).is_none() => "detections",
-            None => "given",
-        };
+        methods.push((method_of(sensor, settings, &extent), extent));
+    }
+    // The runs of a campaign have nothing to tell as a rule.
+    if methods.iter().all(|(method, _)| *method == "given") {
+        return None;
+    }
+    let used = used_detections(data.recording, tracks);
+    let mut found = Vec::with_capacity(data.sensors.len());
+    for (index, (sensor, (method, extent))) in data.sensors.iter().zip(methods).enumerate() {
         let scans = data
             .recording
             .scans
@@ -103,10 +100,22 @@ pub fn lines(
             map: map.map(|map| map_line(map, outside(sensor.clutter_density))),
         });
     }
-    found
-        .iter()
-        .any(|line| line.method != "given")
-        .then_some(found)
+    Some(found)
+}
+
+/// How the density of a sensor is known.
+fn method_of(sensor: &Sensor, settings: &SensorSettings, extent: &Extent) -> &'static str {
+    let plan = sensor
+        .sight
+        .as_ref()
+        .and_then(|sight| sight.clutter.as_ref());
+    match plan {
+        Some(ClutterPlan::Map(_)) => "map",
+        Some(ClutterPlan::Nearest { .. }) => "nearest",
+        None if has_sectors(sensor) => "sectors",
+        None if extent.density_of(settings).is_none() => "detections",
+        None => "given",
+    }
 }
 
 fn map_line(map: &ClutterMap, density: f64) -> MapLine {

@@ -122,12 +122,7 @@ pub fn complete(
     for (index, settings) in guessed.iter().enumerate() {
         noise::keep_guesses(&unknown[index].noise, settings, &mut estimates);
     }
-    for estimate in &estimates {
-        let is_its = |settings: &&mut SensorSettings| settings.sensor_id == estimate.sensor_id;
-        if let Some(settings) = data.sensors.iter_mut().find(is_its) {
-            put(settings, estimate);
-        }
-    }
+    put_all(&mut data.sensors, &estimates);
     Ok(estimates)
 }
 
@@ -203,12 +198,7 @@ fn iterate(
             ];
             estimates.extend(others.into_iter().flatten());
         }
-        for estimate in &estimates {
-            let is_its = |settings: &&mut SensorSettings| settings.sensor_id == estimate.sensor_id;
-            if let Some(settings) = known.iter_mut().find(is_its) {
-                put(settings, estimate);
-            }
-        }
+        put_all(known, &estimates);
         if pass > 0 && found.tracks > 0 && is_settled(&before, known) {
             break;
         }
@@ -263,6 +253,16 @@ fn clutter(settings: &SensorSettings, found: &FoundOfSensor, space: Space) -> Op
 }
 
 /// Writes an estimate into the settings of its sensor.
+/// Each to its sensor.
+fn put_all(sensors: &mut [SensorSettings], estimates: &[Estimate]) {
+    for estimate in estimates {
+        let is_its = |settings: &&mut SensorSettings| settings.sensor_id == estimate.sensor_id;
+        if let Some(settings) = sensors.iter_mut().find(is_its) {
+            put(settings, estimate);
+        }
+    }
+}
+
 fn put(settings: &mut SensorSettings, estimate: &Estimate) {
     let value = Some(estimate.value);
     match estimate.setting {
