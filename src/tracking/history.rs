@@ -215,9 +215,8 @@ fn replaced(tracks: &TrackSet, estimates: Vec<Smoothed>) -> TrackSet {
     for (track, estimates) in set.tracks.iter_mut().zip(estimates) {
         let points = track.points.len().max(1);
         let modes = estimates.modes.len() / points;
-        let kinematics = estimates
-            .kinematics
-            .chunks(estimates.kinematics.len() / points);
+        let values = estimates.kinematics.len() / points;
+        let kinematics = estimates.kinematics.chunks(values.max(1));
         for (index, (point, kinematics)) in track.points.iter_mut().zip(kinematics).enumerate() {
             point.estimate = Kinematics::unpack(set.space, kinematics);
             point.mode_row = set.modes.push(&estimates.modes[index * modes..][..modes]);

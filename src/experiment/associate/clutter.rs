@@ -8,6 +8,7 @@ use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::sight::clutter::{ClutterMap, ClutterPlan};
 use crate::model::sight::{Sight, Spot};
+use crate::model::space::Space;
 use crate::model::track::TrackSet;
 use serde::Serialize;
 
@@ -38,7 +39,7 @@ pub struct ClutterLine {
     sensor_id: String,
     /// How the density is known: given, detections (all of a scan over the area that holds them), sectors, map or nearest.
     method: &'static str,
-    /// Of the densities: 1/m² or 1/deg.
+    /// Of the densities: 1/m², 1/m³ or 1/deg.
     unit: &'static str,
     /// The density outside sectors, where a map begins, and where there are too few neighbours.
     used: f64,
@@ -90,10 +91,10 @@ pub fn lines(
         found.push(ClutterLine {
             sensor_id: sensor.sensor_id.clone(),
             method,
-            unit: if extent.unit() == "degree" {
-                "1/deg"
-            } else {
-                "1/m²"
+            unit: match extent.space {
+                Space::Bearing => "1/deg",
+                Space::Plane => "1/m²",
+                Space::Volume => "1/m³",
             },
             used: outside(sensor.clutter_density),
             left_over: if scanned > 0.0 { left / scanned } else { 0.0 },

@@ -86,6 +86,39 @@ fn a_slant_range_with_its_elevation_is_tens_of_metres_off_in_space_and_in_the_pl
     }
 }
 
+/// Of a density that is given nothing is estimated; one per square metre is told where nothing is.
+#[test]
+fn a_density_per_cubic_metre_is_given_as_one_of_the_ground_is() {
+    let mut rows = SLANT.to_owned();
+    for scan in 0..10 {
+        for nth in 1..4 {
+            let (range_m, bearing_deg) =
+                (9000 + 1711 * nth + 97 * scan * nth, 90 * nth + 31 * scan);
+            let elevation_deg = 3 * nth + scan;
+            writeln!(
+                rows,
+                "{},{scan},r,c{nth},{range_m},{bearing_deg},{elevation_deg}",
+                4 * scan
+            )
+            .unwrap();
+        }
+    }
+    let estimated = |settings: Value| {
+        let mut texts = Texts::of("csv");
+        let input = texts.dataset(&rows);
+        let outcome = slant_job_of(&mut texts, input, &settings);
+        outcome.result["association"]["estimates"]
+            .to_string()
+            .contains("clutter_per_m2")
+    };
+    let nothing = Value::Null;
+    assert!(!estimated(
+        json!({"clutter_per_m2": nothing, "clutter_per_m3": 1e-12})
+    ));
+    assert!(!estimated(json!({})));
+    assert!(estimated(json!({"clutter_per_m2": nothing})));
+}
+
 #[test]
 fn without_elevations_an_assumed_altitude_brings_slant_ranges_to_the_ground() {
     let rows: Vec<String> = SLANT
@@ -126,6 +159,8 @@ fn slant_job_of(texts: &mut Texts, input: Value, settings: &Value) -> Outcome {
     for (name, setting) in settings.as_object().unwrap() {
         sensor[name] = setting.clone();
     }
+    let known = sensor.as_object_mut().unwrap();
+    known.retain(|_, setting| !setting.is_null());
     let body = json!({
         "input": input,
         "truth": texts.dataset(&truth),

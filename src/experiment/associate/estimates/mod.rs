@@ -68,10 +68,11 @@ impl Unknown {
     ) -> Self {
         let filter = &tracking.filter.filter;
         let is_bearing = !filter.space().has_places() || noise::are_bearings(recording, index);
-        let (space, density) = if is_bearing {
-            (Space::Bearing, settings.clutter_per_deg)
-        } else {
-            (Space::Plane, settings.clutter_per_m2)
+        let of_ground = settings.clutter_per_m2;
+        let (space, density) = match filter.space() {
+            _ if is_bearing => (Space::Bearing, settings.clutter_per_deg),
+            Space::Volume => (Space::Plane, settings.clutter_per_m3.or(of_ground)),
+            _ => (Space::Plane, of_ground),
         };
         let is_open = density.is_none() || settings.clutter == Some(ClutterSettings::Estimated);
         Unknown {
