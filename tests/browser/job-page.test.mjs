@@ -111,6 +111,9 @@ test("verdicts are filtered and sorted, and the address says so", async () => {
   await closePage(page);
 });
 
+/** Waits until the page has handled what the mouse and the keys did. */
+const idle = (page) => page.evaluate(() => new Promise((done) => requestIdleCallback(done)));
+
 /** Waits until a parameter of the address has left this value and stays at another. */
 async function atRest(page, name, before) {
   await page.waitForFunction(
@@ -120,6 +123,7 @@ async function atRest(page, name, before) {
   let seen;
   while (seen !== parameters(page).get(name)) {
     seen = parameters(page).get(name);
+    await idle(page);
     await page.waitForTimeout(AT_REST_MS);
   }
 }

@@ -46,7 +46,8 @@ export async function openPage(browser, query, viewport = WIDE) {
     const inside = request.url().startsWith(BASE) || /^(data|blob):/.test(request.url());
     if (!inside) page.faults.push(`outside the origin: ${request.url()}`);
   });
-  page.setDefaultTimeout(20_000);
+  // A loaded machine is no fault of the page.
+  page.setDefaultTimeout(60_000);
   await page.goto(`${BASE}/${query}`);
   return page;
 }
