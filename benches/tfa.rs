@@ -214,6 +214,7 @@ fn scene(targets: usize) -> (Recording, TrackSet) {
             time_s: 8.0 * f64::from(number),
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections,
         });
     }

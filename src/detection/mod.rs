@@ -119,6 +119,7 @@ impl Detector {
                 time_s,
                 sensor: 0,
                 pose: None,
+                own: Vec::new(),
                 detections,
             });
             if progress(index as u64 + 1, intervals.len() as u64).is_break() {

@@ -200,6 +200,7 @@ mod tests {
             time_s,
             sensor,
             pose: None,
+            own: Vec::new(),
             detections: Vec::new(),
         };
         Recording::new(RecordingParts {

@@ -137,6 +137,7 @@ mod tests {
             time_s: f64::from(number),
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections: vec![detection; 2],
         };
         Recording::new(RecordingParts {

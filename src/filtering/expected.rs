@@ -40,6 +40,19 @@ impl<const N: usize, const D: usize> Gain<N, D> {
         self.gain * innovation
     }
 
+    /// That of the state after `dt_s`, or before where that is below 0, in which the first `M` variables, coordinates and their
+    /// rates, go on as they are.
+    #[inline(always)]
+    pub fn coasted<const M: usize>(mut self, dt_s: f64) -> Self {
+        for axis in 0..M / 2 {
+            for column in 0..D {
+                self.gain[(axis, column)] += dt_s * self.gain[(axis + M / 2, column)];
+                self.cross[(axis, column)] += dt_s * self.cross[(axis + M / 2, column)];
+            }
+        }
+        self
+    }
+
     /// The same for a state of more variables, which the others do not touch.
     #[inline(always)]
     pub fn widened<const M: usize>(&self) -> Gain<M, D> {

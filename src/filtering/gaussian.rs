@@ -4,6 +4,7 @@ use super::expected::{Expected, Gain, Way};
 use super::smoothing::Passage;
 use super::{Corrector, Filter, Reports, Weighted, WithCorrector, mixture};
 use crate::model::motion::Motion;
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::sensing::{Dispatch, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::GaussianState;
@@ -73,6 +74,14 @@ where
         detections: &[Weighted<SVector<f64, N>>],
     ) {
         mixture::update(belief, loss, detections.iter().copied());
+    }
+
+    fn mean_loss(
+        losses: &[SMatrix<f64, N, N>],
+        detections: &[Weighted<SVector<f64, N>>],
+    ) -> SMatrix<f64, N, N> {
+        let weights = detections.iter().map(|detection| detection.weight);
+        mixture::mean_loss(losses.iter().zip(weights))
     }
 
     fn smooth(
@@ -156,13 +165,24 @@ where
     type Gain = Gain<N, D>;
     const ANGLE: Option<usize> = S::ANGLE;
 
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>> {
-        self.sensing.read(report)
+    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>> {
+        self.sensing.read(report, own)
     }
 
     #[inline(always)]
     fn expect(&self, belief: &GaussianState<N>) -> Option<(Expected<D>, Gain<N, D>)> {
         self.way.expect(belief, self.sensing)
+    }
+
+    fn expect_own(
+        &self,
+        belief: &GaussianState<N>,
+        own: &Own,
+    ) -> Option<(Expected<D>, Gain<N, D>)> {
+        let sensing = self.sensing.with_own(own);
+        let at_report = belief.coasted::<K>(own.after_s);
+        let (expected, gain) = self.way.expect(&at_report, &sensing)?;
+        Some((expected, gain.coasted::<K>(-own.after_s)))
     }
 
     #[inline(always)]
@@ -180,7 +200,17 @@ where
         self.sensing.log_clutter_scale(expected)
     }
 
-    fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<K>> {
-        self.sensing.locate(report, rate_sigma)
+    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64 {
+        self.sensing.with_own(own).log_clutter_scale(expected)
+    }
+
+    fn locate(
+        &self,
+        report: &SVector<f64, D>,
+        rate_sigma: f64,
+        own: &Own,
+    ) -> Option<GaussianState<K>> {
+        let sensing = self.sensing.with_own(own);
+        sensing.locate(report, rate_sigma)
     }
 }

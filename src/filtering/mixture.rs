@@ -43,6 +43,18 @@ pub fn update<const N: usize>(
     mirror(&mut state.covariance);
 }
 
+/// Σ βⱼ Kⱼ Sⱼ Kⱼᵀ / Σ βⱼ, of detections that have noises of their own: in step 3 it is K S Kᵀ.
+pub fn mean_loss<'l, const N: usize>(
+    losses: impl Iterator<Item = (&'l SMatrix<f64, N, N>, f64)>,
+) -> SMatrix<f64, N, N> {
+    let (mut sum, mut total) = (SMatrix::<f64, N, N>::zeros(), 0.0);
+    for (loss, weight) in losses {
+        sum += loss * weight;
+        total += weight;
+    }
+    if total > 0.0 { sum / total } else { sum }
+}
+
 /// Σ βⱼ K νⱼ (K νⱼ)ᵀ − K ν (K ν)ᵀ: what is not known because it is not known which detection was the right one.
 fn spread<const N: usize>(
     detections: impl Iterator<Item = Weighted<SVector<f64, N>>>,

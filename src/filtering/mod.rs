@@ -2,6 +2,7 @@
 //! detections. A filter is a motion model and a way through sensing models; it knows neither by name.
 
 use crate::model::motion::constant_velocity::ConstantVelocity;
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::sensing::MeasurementModel;
 use crate::model::space::Space;
@@ -55,6 +56,9 @@ pub trait Filter<const K: usize>: Copy + Send + 'static {
     /// The weights of the detections and of none sum to 1.
     fn update(belief: &mut Self::Belief, loss: &Self::Loss, detections: &[Weighted<Self::Change>]);
 
+    /// What a belief loses on average over detections that lose it different amounts: one loss each, in the same order.
+    fn mean_loss(losses: &[Self::Loss], detections: &[Weighted<Self::Change>]) -> Self::Loss;
+
     /// The belief of a target of which these kinematics are known.
     fn begin(&self, kinematics: &GaussianState<K>) -> Self::Belief;
 
@@ -103,10 +107,14 @@ pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
     const HAS_REGIONS: bool = false;
 
     /// A report as a point of the measurement space; `None` for one of another kind.
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>>;
+    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>>;
 
     /// What should be reported of a target. `None` when S is not positive definite.
     fn expect(&self, belief: &F::Belief) -> Option<(Expected<D>, Self::Gain)>;
+
+    /// The same of a report that has a noise and a time of its own. The target goes on as it is between the times of the scan and
+    /// of the report: what the motion's noise does in that time, mostly less than half a scan, is left out.
+    fn expect_own(&self, belief: &F::Belief, own: &Own) -> Option<(Expected<D>, Self::Gain)>;
 
     /// Where reports are expected.
     fn regions(_gain: &Self::Gain) -> &[Expected<D>] {
@@ -134,11 +142,24 @@ pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
     /// ln of how much of the space in which clutter is stated a unit of the measurement space covers.
     fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64;
 
-    /// The kinematics that one report alone tells, if it says where the target is.
-    fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<K>>;
+    /// The same of a report that has something of its own.
+    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64;
+
+    /// The kinematics that one report alone tells, if it says where the target is; at the time of the report.
+    fn locate(
+        &self,
+        report: &SVector<f64, D>,
+        rate_sigma: f64,
+        own: &Own,
+    ) -> Option<GaussianState<K>>;
 
     /// As of [`crate::model::sensing::Sensing::parts`], for a filter that begins among several.
-    fn parts(&self, _report: &SVector<f64, D>, _rate_sigma: f64) -> Vec<GaussianState<K>> {
+    fn parts(
+        &self,
+        _report: &SVector<f64, D>,
+        _rate_sigma: f64,
+        _own: &Own,
+    ) -> Vec<GaussianState<K>> {
         Vec::new()
     }
 }

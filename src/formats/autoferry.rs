@@ -127,6 +127,7 @@ fn recording(ferry_scans: &[FerryScan]) -> Result<Recording, Vec<Fault>> {
             time_s: scan.time_s,
             sensor,
             pose: Some(Pose::at(scan.place_m.push(0.0))),
+            own: Vec::new(),
             detections: scan.measurements.iter().map(detection).collect(),
         });
     }

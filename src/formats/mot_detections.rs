@@ -31,6 +31,7 @@ pub fn recording(mut boxes: Vec<ObjectBox>, frame_s: f64) -> Result<Dataset, Vec
             time_s: f64::from(frame - 1) * frame_s,
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections: of_frame.iter().map(detection).collect(),
         });
         let ids = (1..=of_frame.len()).map(|number| format!("{frame}.{number}"));

@@ -10,7 +10,7 @@ use crate::model::angle;
 use nalgebra::{SMatrix, SVector};
 
 /// Values of a measurement at the most.
-const MAX_DIMENSIONS: usize = 4;
+const MAX_DIMENSIONS: usize = 5;
 
 /// The gate of a tracker, for measurements of any number of values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +24,7 @@ pub struct EllipsoidalGate {
 impl EllipsoidalGate {
     /// `probability` P_G in (0, 1]; with 1 everything is inside.
     pub fn new(probability: f64) -> Self {
-        let of_dimension = [1, 2, 3, 4];
+        let of_dimension = [1, 2, 3, 4, 5];
         let thresholds = of_dimension.map(|d| gate_threshold(probability, d));
         let log_scales = of_dimension.map(|d| {
             let threshold = thresholds[d as usize - 1];
@@ -36,7 +36,7 @@ impl EllipsoidalGate {
         }
     }
 
-    /// γ of measurements of so many values, 1 to 4.
+    /// γ of measurements of so many values, 1 to 5.
     pub fn threshold(&self, dimensions: usize) -> f64 {
         self.thresholds[dimensions - 1]
     }
@@ -83,6 +83,37 @@ impl EllipsoidalGate {
     #[inline]
     pub fn candidates_of_any<'r, const D: usize>(
         &self,
+        placed: (&Grid, &[[f64; D]]),
+        angle: Option<usize>,
+        regions: impl Iterator<Item = Region<'r, D>> + Clone,
+        mut found: impl FnMut(u32, SVector<f64, D>),
+    ) {
+        self.candidates_near(placed, angle, regions.clone(), |detection, point| {
+            if self.is_inside(&point, angle, regions.clone()) {
+                found(detection, point);
+            }
+        });
+    }
+
+    /// Whether a measurement is inside the gate of any of the regions.
+    #[inline]
+    pub fn is_inside<'r, const D: usize>(
+        &self,
+        point: &SVector<f64, D>,
+        angle: Option<usize>,
+        mut regions: impl Iterator<Item = Region<'r, D>>,
+    ) -> bool {
+        regions.any(|(centre, _, gaussian)| {
+            let innovation = angle::difference(point, centre, angle);
+            gaussian.squared_distance(&innovation) <= self.thresholds[D - 1]
+        })
+    }
+
+    /// Calls `found(detection, z)` once for each measurement that may be inside the gate of any region that lies between these,
+    /// and for some others.
+    #[inline]
+    pub fn candidates_near<'r, const D: usize>(
+        &self,
         (grid, placed): (&Grid, &[[f64; D]]),
         angle: Option<usize>,
         regions: impl Iterator<Item = Region<'r, D>> + Clone,
@@ -110,14 +141,7 @@ impl EllipsoidalGate {
         }
         grid.near_places(&centre, half, angle, |places, detections| {
             for (near, &detection) in placed[places].iter().zip(detections) {
-                let point = SVector::from(*near);
-                let is_inside = |(centre, _, gaussian): Region<D>| {
-                    let innovation = angle::difference(&point, centre, angle);
-                    gaussian.squared_distance(&innovation) <= threshold
-                };
-                if regions.clone().any(is_inside) {
-                    found(detection, point);
-                }
+                found(detection, SVector::from(*near));
             }
         });
     }

@@ -2,6 +2,7 @@
 
 use crate::filtering::{Corrector, Filter, Weighted, WithCorrector};
 use crate::model::angle::difference;
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::sensing::MeasurementModel;
 use crate::model::state::GaussianState;
@@ -26,7 +27,36 @@ pub fn update<F: Filter<K>, const K: usize>(
     report: &Measurement,
     belief: &mut F::Belief,
 ) -> Option<()> {
-    filter.correct(model, Update { report, belief }).flatten()
+    let own = &Own::default();
+    filter
+        .correct(
+            model,
+            Update {
+                report,
+                own,
+                belief,
+            },
+        )
+        .flatten()
+}
+
+/// The same with a report that has something of its own.
+pub fn update_own<F: Filter<K>, const K: usize>(
+    filter: &F,
+    model: &MeasurementModel,
+    (report, own): (&Measurement, &Own),
+    belief: &mut F::Belief,
+) -> Option<()> {
+    filter
+        .correct(
+            model,
+            Update {
+                report,
+                own,
+                belief,
+            },
+        )
+        .flatten()
 }
 
 struct Locate<'a> {
@@ -38,12 +68,17 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Locate<'_> {
     type Output = Option<GaussianState<K>>;
 
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
-        corrector.locate(&corrector.read(self.report)?, self.rate_sigma)
+        corrector.locate(
+            &corrector.read(self.report, &Own::default())?,
+            self.rate_sigma,
+            &Own::default(),
+        )
     }
 }
 
 struct Update<'a, B> {
     report: &'a Measurement,
+    own: &'a Own,
     belief: &'a mut B,
 }
 
@@ -51,8 +86,12 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Update<'_, F::Belief>
     type Output = Option<()>;
 
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Option<()> {
-        let report = corrector.read(self.report)?;
-        let (expected, gain) = corrector.expect(self.belief)?;
+        let report = corrector.read(self.report, self.own)?;
+        let (expected, gain) = if *self.own == Own::default() {
+            corrector.expect(self.belief)?
+        } else {
+            corrector.expect_own(self.belief, self.own)?
+        };
         let innovation = difference(&report, &expected.measurement, C::ANGLE);
         let certain = Weighted {
             change: C::change(&gain, &innovation),

@@ -94,6 +94,23 @@ impl Detections {
         );
     }
 
+    /// Calls `found(detection, z)` for each unused detection near these regions.
+    pub fn near<'r, const D: usize>(
+        &self,
+        gate: &EllipsoidalGate,
+        angle: Option<usize>,
+        regions: impl Iterator<Item = &'r Expected<D>> + Clone,
+        mut found: impl FnMut(u32, SVector<f64, D>),
+    ) {
+        let placed = (&self.grid, self.placed.as_chunks().0);
+        let regions = regions.map(Expected::as_region);
+        gate.candidates_near(placed, angle, regions, |detection, point| {
+            if !self.used[detection as usize] {
+                found(detection, point);
+            }
+        });
+    }
+
     /// The unused detection of a target.
     pub fn own(&self, origin: Option<u32>) -> Option<u32> {
         let detection = (*self.by_origin.get(origin? as usize)?)?;

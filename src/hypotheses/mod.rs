@@ -10,6 +10,7 @@ pub mod bounds;
 pub mod certain;
 mod detections;
 mod likelihood_constants;
+mod own;
 pub mod region;
 
 pub use likelihood_constants::{LikelihoodConstants, Likelihoods};
@@ -18,7 +19,8 @@ use crate::association::Needs;
 use crate::association::problem::{Edge, ScanProblem};
 use crate::filtering::{Corrector, Expected, Filter, Weighted, WithCorrector};
 use crate::gating::ellipsoidal::EllipsoidalGate;
-use crate::model::scan::{Detection, Scan};
+use crate::model::own::Own;
+use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
@@ -41,6 +43,10 @@ pub struct Hypotheses<F: Filter<K>, const K: usize> {
     log_clutter_ratios: Vec<f64>,
     /// Of each of the problem's edges.
     changes: Vec<F::Change>,
+    /// The same of what they would lose; empty where that is what the row says.
+    losses: Vec<F::Loss>,
+    /// Detections near a track.
+    near: Vec<u32>,
     /// Tracks of which nothing can be expected any more.
     lost: Vec<u32>,
 }
@@ -69,6 +75,8 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             p_d: Vec::new(),
             log_clutter_ratios: Vec::new(),
             changes: Vec::new(),
+            losses: Vec::new(),
+            near: Vec::new(),
             lost: Vec::new(),
         }
     }
@@ -79,7 +87,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         &mut self,
         filter: &F,
         report: &MeasurementModel,
-        detections: &[Detection],
+        scan: &Scan,
         clutter_ratios: impl FnOnce(&mut Vec<f64>),
     ) {
         self.log_clutter_ratios.clear();
@@ -87,14 +95,14 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         if self.needs == Needs::Amplitudes {
             // What has no amplitude is weaker than everything that has.
             self.problem.set_amplitudes(
-                detections
+                scan.detections
                     .iter()
                     .map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)),
             );
         }
         let work = Reading {
             hypotheses: self,
-            detections,
+            scan,
         };
         filter.correct(report, work);
     }
@@ -115,6 +123,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         self.rows.clear();
         self.p_d.clear();
         self.changes.clear();
+        self.losses.clear();
         self.lost.clear();
         let work = Writing {
             likelihoods: Likelihoods::new(look.sensor, look.scan, self.gate_probability),
@@ -128,13 +137,13 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         look.filter.correct(look.report, work).unwrap_or(Ok(()))
     }
 
-    /// The kinematics that a detection tells by itself, if no track uses it.
+    /// The kinematics that a detection tells by itself, if no track uses it; at its own time.
     pub fn locate(
         &self,
         filter: &F,
         report: &MeasurementModel,
         speed_sigma_mps: f64,
-        detection: usize,
+        (detection, own): (usize, &Own),
     ) -> Option<GaussianState<K>> {
         if self.detections.used[detection] {
             return None;
@@ -142,6 +151,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         let work = Locating {
             detections: &self.detections,
             detection,
+            own,
             rate_sigma: filter.rate_sigma(speed_sigma_mps),
         };
         filter.correct(report, work).flatten()
@@ -153,11 +163,12 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         filter: &F,
         report: &MeasurementModel,
         speed_sigma_mps: f64,
-        detection: usize,
+        (detection, own): (usize, &Own),
     ) -> Vec<GaussianState<K>> {
         let work = LocatingParts(Locating {
             detections: &self.detections,
             detection,
+            own,
             rate_sigma: filter.rate_sigma(speed_sigma_mps),
         });
         filter.correct(report, work).unwrap_or_default()
@@ -177,14 +188,41 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         self.rows[row].0 as usize
     }
 
-    /// Writes the changes of a row's edges that have a weight.
+    /// Updates the belief of a row's track by its weighted detections, which are left in `weighted`.
     #[inline]
-    pub fn weighted(
+    pub fn update(
+        &self,
+        row: usize,
+        weights: &[f64],
+        weighted: &mut Vec<Weighted<F::Change>>,
+        belief: &mut F::Belief,
+    ) {
+        let edges = self.problem.rows()[row].edges();
+        self.weigh(edges.clone(), weights, weighted);
+        if self.losses.is_empty() {
+            F::update(belief, &self.rows[row].1, weighted);
+        } else {
+            self.update_by_own(edges, weights, weighted, belief);
+        }
+    }
+
+    /// The same where each detection has a loss of its own.
+    #[inline(never)]
+    fn update_by_own(
         &self,
         edges: Range<usize>,
         weights: &[f64],
-        weighted: &mut Vec<Weighted<F::Change>>,
+        weighted: &[Weighted<F::Change>],
+        belief: &mut F::Belief,
     ) {
+        let used = edges.filter(|&edge| weights[edge] > 0.0);
+        let losses: Vec<F::Loss> = used.map(|edge| self.losses[edge]).collect();
+        F::update(belief, &F::mean_loss(&losses, weighted), weighted);
+    }
+
+    /// Writes the changes of edges that have a weight.
+    #[inline]
+    fn weigh(&self, edges: Range<usize>, weights: &[f64], weighted: &mut Vec<Weighted<F::Change>>) {
         weighted.clear();
         for edge in edges {
             if weights[edge] > 0.0 {
@@ -201,11 +239,6 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
     pub fn fit(&self, edge: usize) -> f64 {
         let squared_distance = self.problem.edges()[edge].squared_distance;
         F::fit(&self.changes[edge], squared_distance)
-    }
-
-    #[inline]
-    pub fn loss(&self, row: usize) -> &F::Loss {
-        &self.rows[row].1
     }
 
     /// How probable it was that the sensor detects the target of a row.
@@ -243,13 +276,13 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         is_unused.count() as u32
     }
 
-    /// Adds what a track expects and the detections that may be its as a row.
+    /// Adds the detections that may be a track's to the open row.
     #[inline(always)]
-    fn push_row<C: Corrector<F, K, D>, const D: usize>(
+    fn push_edges<C: Corrector<F, K, D>, const D: usize>(
         &mut self,
         corrector: &C,
         constants: &LikelihoodConstants,
-        (track, origin): (u32, Option<u32>),
+        origin: Option<u32>,
         (expected, gain): &(Expected<D>, C::Gain),
     ) {
         let log_scale = corrector.log_clutter_scale(&expected.measurement);
@@ -288,6 +321,17 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             }
             _ => detections.inside::<C, F, K, D>(gate, (expected, gain), found),
         }
+    }
+
+    /// Ends the row of a track that expects this.
+    #[inline(always)]
+    fn end_row<C: Corrector<F, K, D>, const D: usize>(
+        &mut self,
+        corrector: &C,
+        constants: &LikelihoodConstants,
+        track: u32,
+        (expected, gain): &(Expected<D>, C::Gain),
+    ) {
         if self.needs == Needs::Places {
             self.problem.push_place(
                 expected.measurement.as_slice(),
@@ -299,7 +343,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             constants.log_missed,
             constants.log_clutter
                 + more_clutter
-                + log_scale
+                + corrector.log_clutter_scale(&expected.measurement)
                 + self.gate.log_volume(&expected.gaussian),
         );
         self.rows.push((track, C::loss(gain)));
@@ -331,7 +375,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
 
 struct Reading<'a, F: Filter<K>, const K: usize> {
     hypotheses: &'a mut Hypotheses<F, K>,
-    detections: &'a [Detection],
+    scan: &'a Scan,
 }
 
 impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Reading<'_, F, K> {
@@ -344,18 +388,18 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Reading<'_, F, K> {
             problem,
             ..
         } = self.hypotheses;
-        let values = self
-            .detections
-            .iter()
-            .filter_map(|detection| corrector.read(&detection.measurement));
+        let found = self.scan.detections.iter().enumerate();
+        let values = found.filter_map(|(index, detection)| {
+            corrector.read(&detection.measurement, &self.scan.own_of(index))
+        });
         detections.read(values.map(|values| values.data.0[0]));
         debug_assert_eq!(
             detections.len(),
-            self.detections.len(),
+            self.scan.detections.len(),
             "only reports that the filter can use are let through"
         );
         if needs.is_by_origin() {
-            detections.index_origins(self.detections);
+            detections.index_origins(&self.scan.detections);
         }
         if *needs != Needs::Origins {
             detections.arrange::<D>();
@@ -384,6 +428,8 @@ impl<F: Filter<K>, O: Fn(u32) -> Option<u32>, const K: usize> WithCorrector<F, K
 
     /// One pass: a large scene does not fit into the caches.
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Result<(), Halt> {
+        let has_own = !self.look.scan.own.is_empty();
+        let bounds = has_own.then(|| own::Bounds::of(self.look.scan));
         for &track in self.members {
             let belief = &mut self.beliefs[track as usize];
             F::predict(self.look.step, belief);
@@ -391,10 +437,21 @@ impl<F: Filter<K>, O: Fn(u32) -> Option<u32>, const K: usize> WithCorrector<F, K
                 self.hypotheses.lost.push(track);
                 continue;
             };
-            let of_track = (track, (self.origin_of)(track));
+            let origin = (self.origin_of)(track);
             let constants = self.likelihoods.of(|| F::kinematics(belief));
-            self.hypotheses
-                .push_row(corrector, &constants, of_track, &expected);
+            let hypotheses = &mut *self.hypotheses;
+            match &bounds {
+                None => hypotheses.push_edges(corrector, &constants, origin, &expected),
+                Some(bounds) => hypotheses.push_own_edges(&own::Track {
+                    corrector,
+                    belief: &*belief,
+                    scan: self.look.scan,
+                    bounds,
+                    constants: &constants,
+                    origin,
+                }),
+            }
+            hypotheses.end_row(corrector, &constants, track, &expected);
             self.hypotheses.check(self.look.scan, self.watch)?;
         }
         Ok(())
@@ -404,6 +461,7 @@ impl<F: Filter<K>, O: Fn(u32) -> Option<u32>, const K: usize> WithCorrector<F, K
 struct Locating<'a> {
     detections: &'a Detections,
     detection: usize,
+    own: &'a Own,
     rate_sigma: f64,
 }
 
@@ -412,7 +470,7 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Locating<'_> {
 
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
         let values = self.detections.points::<D>()[self.detection];
-        corrector.locate(&values.into(), self.rate_sigma)
+        corrector.locate(&values.into(), self.rate_sigma, self.own)
     }
 }
 
@@ -423,6 +481,6 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for LocatingParts<'_> {
 
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
         let values = self.0.detections.points::<D>()[self.0.detection];
-        corrector.parts(&values.into(), self.0.rate_sigma)
+        corrector.parts(&values.into(), self.0.rate_sigma, self.0.own)
     }
 }

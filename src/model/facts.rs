@@ -100,6 +100,7 @@ impl RecordingFacts {
                 time_s: 0.0,
                 sensor,
                 pose: facts.pose(),
+                own: Vec::new(),
                 detections: facts.measurements().map(detection).collect(),
             });
         }
@@ -245,6 +246,7 @@ mod tests {
                     time_s: 0.0,
                     sensor,
                     pose: None,
+                    own: Vec::new(),
                     detections: all[detections].to_vec(),
                 })
                 .to_vec(),

@@ -14,6 +14,7 @@ pub mod fault;
 pub mod modes;
 pub mod motion;
 pub mod names;
+pub mod own;
 pub mod pose;
 pub mod relative_bearings;
 pub mod scan;

@@ -2,6 +2,7 @@
 
 use super::beside::Beside;
 use super::fault::Fault;
+use super::own::Own;
 use super::pose::Pose;
 use super::scan_numbers;
 use super::sensor::SensorSettings;
@@ -189,9 +190,16 @@ pub struct Scan {
     /// Of a sensor that moves; else it is where its settings say.
     pub pose: Option<Pose>,
     pub detections: Vec<Detection>,
+    /// What they have of their own, one entry each; empty where no detection of the scan has any.
+    pub own: Vec<Own>,
 }
 
 impl Scan {
+    /// What one of its detections has of its own.
+    pub fn own_of(&self, detection: usize) -> Own {
+        self.own.get(detection).copied().unwrap_or_default()
+    }
+
     /// Where its sensor is in the plane: at `place_m` where it does not move.
     pub fn sensor_place_m(&self, place_m: Position) -> Position {
         self.pose.map_or(place_m, |pose| pose.place.xy())
@@ -449,6 +457,17 @@ fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {
 }
 
 fn check_detections(parts: &RecordingParts, faults: &mut Vec<Fault>) {
+    for (index, scan) in parts.scans.iter().enumerate() {
+        let is_whole = scan.own.is_empty() || scan.own.len() == scan.detections.len();
+        let is_sound = |own: &Own| own.after_s.is_finite() && own.noise.is_sound();
+        if !is_whole || !scan.own.iter().all(is_sound) {
+            faults.push(Fault::new(
+                format!("/scans/{index}/own"),
+                "malformed",
+                "what detections have of their own is not one sound entry each",
+            ));
+        }
+    }
     if !parts.beside.fits(parts.detection_ids.len()) {
         let detail = "what is known beside the detections is not of all of them";
         faults.push(Fault::new("/beside", "malformed", detail));

@@ -78,6 +78,7 @@ mod tests {
             time_s,
             sensor,
             pose: None,
+            own: Vec::new(),
             detections: Vec::new(),
         };
         let scans: Vec<Scan> = scans.iter().map(scan).collect();

@@ -80,6 +80,14 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_elevation_deg: Option<f64>,
+    /// Of velocities that are reported with places: along the velocity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub sigma_speed_mps: Option<f64>,
+    /// Of their directions; when absent `sigma_speed_mps` holds on each axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub sigma_course_deg: Option<f64>,
     /// Whether a report that no track uses may start a track.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
@@ -176,6 +184,8 @@ impl SensorSettings {
             ("p_fa", self.p_fa, PROBABILITY),
             ("sigma_z_m", self.sigma_z_m, POSITIVE),
             ("sigma_elevation_deg", self.sigma_elevation_deg, POSITIVE),
+            ("sigma_speed_mps", self.sigma_speed_mps, POSITIVE),
+            ("sigma_course_deg", self.sigma_course_deg, POSITIVE),
             ("range_min_m", self.range_min_m, POSITIVE),
             ("range_max_m", self.range_max_m, POSITIVE),
             ("range_filters", self.range_filters.map(f64::from), RANGES),
@@ -217,6 +227,8 @@ impl SensorSettings {
             sigma_range_rate_mps: other.sigma_range_rate_mps.or(self.sigma_range_rate_mps),
             sigma_z_m: other.sigma_z_m.or(self.sigma_z_m),
             sigma_elevation_deg: other.sigma_elevation_deg.or(self.sigma_elevation_deg),
+            sigma_speed_mps: other.sigma_speed_mps.or(self.sigma_speed_mps),
+            sigma_course_deg: other.sigma_course_deg.or(self.sigma_course_deg),
             may_start: other.may_start.or(self.may_start),
             field_of_view: other.field_of_view.or(self.field_of_view),
             sectors: other.sectors.clone().or_else(|| self.sectors.clone()),

@@ -28,6 +28,28 @@ impl<const N: usize> GaussianState<N> {
         }
     }
 
+    /// As it is after `dt_s`, or before where that is below 0, in which the first `K` variables, coordinates and their rates, go on
+    /// as they are.
+    #[inline(always)]
+    #[must_use]
+    pub fn coasted<const K: usize>(&self, dt_s: f64) -> Self {
+        let mut coasted = *self;
+        for axis in 0..K / 2 {
+            coasted.mean[axis] += dt_s * coasted.mean[axis + K / 2];
+            for column in 0..N {
+                let rate = coasted.covariance[(axis + K / 2, column)];
+                coasted.covariance[(axis, column)] += dt_s * rate;
+            }
+        }
+        for axis in 0..K / 2 {
+            for row in 0..N {
+                let rate = coasted.covariance[(row, axis + K / 2)];
+                coasted.covariance[(row, axis)] += dt_s * rate;
+            }
+        }
+        coasted
+    }
+
     /// What [`GaussianState::pack_into`] wrote; `None` for another number of values.
     pub fn unpacked(packed: &[f64]) -> Option<Self> {
         (packed.len() == packed_len(N)).then(|| GaussianState {

@@ -316,6 +316,7 @@ fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found
         time_s,
         sensor,
         pose: None,
+        own: Vec::new(),
         detections: found,
     });
 }

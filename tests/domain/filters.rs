@@ -14,6 +14,7 @@ use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::angle;
 use trackloom_domain::model::motion::constant_acceleration::ConstantAcceleration;
 use trackloom_domain::model::motion::constant_velocity::ConstantVelocity;
+use trackloom_domain::model::own::Own;
 use trackloom_domain::model::scan::Measurement;
 use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Platform, Polar, RangeRate};
 use trackloom_domain::model::sensor::Sensor;
@@ -130,8 +131,10 @@ where
 
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) {
         let mut draw = stream(1);
-        let first = corrector.read(&self.first).unwrap();
-        let start = corrector.locate(&first, self.rate_sigma).unwrap();
+        let first = corrector.read(&self.first, &Own::default()).unwrap();
+        let start = corrector
+            .locate(&first, self.rate_sigma, &Own::default())
+            .unwrap();
         let mut belief = self.filter.begin(&start);
         let steps = [0.1, 1.0, 8.0].map(|dt_s| self.filter.step(dt_s));
         for round in 0..1_000_000 {
@@ -316,8 +319,13 @@ impl WithCorrector<PlaneFilter, 4> for MeanNis<'_> {
             let start = Position::new(bearing.sin(), bearing.cos()) * 3e4;
             let velocity = normals::<2>(&mut draw) * speed_sigma;
             let mut truth = Vector4::new(start[0], start[1], velocity[0], velocity[1]);
-            let first = corrector.read(&noisy_report(self.sensor, &truth, &mut draw));
-            let mut state = corrector.locate(&first.unwrap(), speed_sigma).unwrap();
+            let first = corrector.read(
+                &noisy_report(self.sensor, &truth, &mut draw),
+                &Own::default(),
+            );
+            let mut state = corrector
+                .locate(&first.unwrap(), speed_sigma, &Own::default())
+                .unwrap();
             for _ in 0..scans {
                 truth = Vector4::new(
                     truth[0] + dt_s * truth[2],
@@ -327,7 +335,10 @@ impl WithCorrector<PlaneFilter, 4> for MeanNis<'_> {
                 ) + root * normals::<4>(&mut draw);
                 PlaneFilter::predict(&self.filter.step(dt_s), &mut state);
                 let (expected, gain) = corrector.expect(&state).unwrap();
-                let measured = corrector.read(&noisy_report(self.sensor, &truth, &mut draw));
+                let measured = corrector.read(
+                    &noisy_report(self.sensor, &truth, &mut draw),
+                    &Own::default(),
+                );
                 let innovation =
                     angle::difference(&measured.unwrap(), &expected.measurement, C::ANGLE);
                 sum += expected.gaussian.squared_distance(&innovation);

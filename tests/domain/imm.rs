@@ -16,6 +16,7 @@ use trackloom_domain::model::angle::difference;
 use trackloom_domain::model::motion::constant_acceleration::ConstantAcceleration;
 use trackloom_domain::model::motion::constant_velocity::ConstantVelocity;
 use trackloom_domain::model::motion::unknown_turn::UnknownTurn;
+use trackloom_domain::model::own::Own;
 use trackloom_domain::model::scan::Measurement;
 use trackloom_domain::model::sensing::{MeasurementModel, Platform, Polar};
 use trackloom_domain::model::state::{GaussianState, Position};
@@ -159,7 +160,7 @@ impl WithCorrector<Imm<2, 4>, 4> for Soft<'_> {
         let (expected, gain) = corrector.expect(self.belief).unwrap();
         let mut detections = Vec::new();
         for report in self.reports {
-            let report = corrector.read(report).unwrap();
+            let report = corrector.read(report, &Own::default()).unwrap();
             let innovation = difference(&report, &expected.measurement, C::ANGLE);
             let squared = expected.gaussian.squared_distance(&innovation);
             let (change, log) = C::assess(&gain, &expected, &innovation, squared);

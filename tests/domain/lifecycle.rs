@@ -59,6 +59,7 @@ fn recording(scans: &[Vec<[f64; 2]>]) -> Recording {
             time_s: index as f64,
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections: places.iter().map(detection).collect(),
         });
         let ids = (1..=places.len()).map(|nth| format!("{}-{nth}", index + 1));

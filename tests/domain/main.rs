@@ -46,6 +46,7 @@ mod moving_sensor;
 mod mutations;
 mod oracle;
 mod origins;
+mod own;
 mod own_ship;
 mod polar;
 mod real_files;

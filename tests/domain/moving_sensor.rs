@@ -39,6 +39,7 @@ fn scan_of(index: usize, sensor: usize, pose: Option<Pose>) -> Scan {
         time_s: index as f64,
         sensor,
         pose,
+        own: Vec::new(),
         detections: vec![Detection {
             measurement: Measurement::Bearing { bearing_rad },
             origin: None,

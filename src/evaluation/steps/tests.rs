@@ -273,6 +273,7 @@ fn points_belong_to_the_nearest_scan_of_a_recording() {
         time_s: f64::from(number),
         sensor: 0,
         pose: None,
+        own: Vec::new(),
         detections: Vec::new(),
     };
     let sensors = vec![SensorSettings::named("radar")];

@@ -20,7 +20,7 @@ use crate::experiment::input::extent::place_of;
 use crate::gating::grid::Grid;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Recording, Scan};
-use crate::model::sensing::MeasurementModel;
+use crate::model::sensing::{MeasurementModel, Moving};
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::Position;
 
@@ -194,7 +194,8 @@ fn variance_m2(report: &MeasurementModel, at_m: &Position) -> f64 {
             .sigma_range_m
             .max((at_m - polar.place_m).norm() * polar.sigma_bearing_rad)
             .powi(2),
-        MeasurementModel::Position3 { sigmas_m, .. } => sigmas_m[0].max(sigmas_m[1]).powi(2),
+        MeasurementModel::Position3 { sigmas_m, .. }
+        | MeasurementModel::Moving(Moving { sigmas_m, .. }) => sigmas_m[0].max(sigmas_m[1]).powi(2),
         MeasurementModel::Spherical(spherical)
         | MeasurementModel::ConvertedSpherical(spherical) => {
             let away_m = (at_m - spherical.site.place_m.xy()).norm();

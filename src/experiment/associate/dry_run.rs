@@ -95,6 +95,7 @@ pub fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
             sensor: index,
             pose: simulation::first_pose(sensor),
             // A detector of a record tells how strong what it found is, and the noise where nobody else does.
+            own: Vec::new(),
             detections: vec![Detection {
                 measurement,
                 origin: Some(0),

@@ -19,7 +19,7 @@ use crate::filtering::motions::AnyMotion;
 use crate::filtering::{AnyFilter, Movement};
 use crate::math::stats::quantile;
 use crate::model::scan::Measurement;
-use crate::model::sensing::MeasurementModel;
+use crate::model::sensing::{MeasurementModel, Moving};
 
 /// Above it an IMM pays.
 const ENOUGH: f64 = 0.5;
@@ -84,7 +84,10 @@ fn sigma_of(data: &ResolvedRecording, sensor: usize) -> Option<f64> {
         MeasurementModel::Polar(polar) | MeasurementModel::Converted(polar) => {
             across(data, sensor, (polar.sigma_range_m, polar.sigma_bearing_rad))
         }
-        MeasurementModel::Position3 { sigmas_m, .. } => Some((sigmas_m[0] * sigmas_m[1]).sqrt()),
+        MeasurementModel::Position3 { sigmas_m, .. }
+        | MeasurementModel::Moving(Moving { sigmas_m, .. }) => {
+            Some((sigmas_m[0] * sigmas_m[1]).sqrt())
+        }
         MeasurementModel::Spherical(spherical)
         | MeasurementModel::ConvertedSpherical(spherical) => across(
             data,
@@ -125,6 +128,7 @@ mod tests {
             time_s: 4.0 * f64::from(index),
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections: vec![Detection {
                 measurement: Measurement::Position {
                     x_m: f64::from(index),

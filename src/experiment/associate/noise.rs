@@ -76,6 +76,15 @@ fn fitting(report: &MeasurementModel, factor: f64) -> String {
         MeasurementModel::Bearing(bearing) => {
             named("sigma_bearing_deg", bearing.sigma_bearing_rad.to_degrees())
         }
+        MeasurementModel::Moving(moving) => {
+            let [x_m, y_m, z_m] = moving.sigmas_m;
+            let mut all = vec![named("sigma_x_m", x_m), named("sigma_y_m", y_m)];
+            all.extend(moving.is_in_volume.then(|| named("sigma_z_m", z_m)));
+            all.push(named("sigma_speed_mps", moving.velocity.sigma_speed_mps));
+            let course_rad = moving.velocity.sigma_course_rad;
+            all.extend(course_rad.map(|sigma| named("sigma_course_deg", sigma.to_degrees())));
+            all.join(", ")
+        }
         MeasurementModel::Position3 { sigmas_m, .. } => ["sigma_x_m", "sigma_y_m", "sigma_z_m"]
             .iter()
             .zip(sigmas_m)

@@ -18,7 +18,7 @@ use crate::hypotheses::certain::locate;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording};
-use crate::model::sensing::{MeasurementModel, RangeRate, Spherical};
+use crate::model::sensing::{MeasurementModel, Moving, RangeRate, Spherical};
 use crate::model::sensor::Sensor;
 use crate::model::space::{Place, Space};
 use crate::model::state::{GaussianState, Position};
@@ -185,6 +185,10 @@ fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 7]) -> Op
             x_m: truth.position.x + sigma_x_m * errors[0],
             y_m: truth.position.y + sigma_y_m * errors[1],
         }),
+        (MeasurementModel::Moving(moving), Space::Plane) => Some(Measurement::Position {
+            x_m: truth.position.x + moving.sigmas_m[0] * errors[0],
+            y_m: truth.position.y + moving.sigmas_m[1] * errors[1],
+        }),
         (MeasurementModel::Polar(polar), Space::Plane | Space::Volume) => {
             let offset_m = truth.position.xy() - polar.place_m;
             let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
@@ -197,13 +201,15 @@ fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 7]) -> Op
                 range_rate_mps: polar.range_rate.map(|rate| range_rate(rate.sigma_mps)),
             })
         }
-        (MeasurementModel::Position3 { sigmas_m, .. }, Space::Volume) => {
-            Some(Measurement::Position3 {
-                x_m: truth.position.x + sigmas_m[0] * errors[0],
-                y_m: truth.position.y + sigmas_m[1] * errors[1],
-                z_m: truth.position.z + sigmas_m[2] * errors[6],
-            })
-        }
+        (
+            MeasurementModel::Position3 { sigmas_m, .. }
+            | MeasurementModel::Moving(Moving { sigmas_m, .. }),
+            Space::Volume,
+        ) => Some(Measurement::Position3 {
+            x_m: truth.position.x + sigmas_m[0] * errors[0],
+            y_m: truth.position.y + sigmas_m[1] * errors[1],
+            z_m: truth.position.z + sigmas_m[2] * errors[6],
+        }),
         (MeasurementModel::Spherical(spherical), Space::Volume) => {
             Some(seen_in_space(&spherical, truth, errors))
         }

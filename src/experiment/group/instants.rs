@@ -4,6 +4,7 @@ use super::attributes::DescribedInstant;
 use crate::correlation::grouping::{Place, SensorReport};
 use crate::experiment::job::RunError;
 use crate::model::fault::Fault;
+use crate::model::own::Own;
 use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::sensing::{Converted, MeasurementModel, Sensing};
 use crate::model::sensor::Sensor;
@@ -93,7 +94,7 @@ fn place_of(report: &MeasurementModel, measurement: &Measurement) -> Option<Plac
         }),
         MeasurementModel::Converted(polar) => {
             let converted = Converted(*polar);
-            let alone = converted.locate(&converted.read(measurement)?, 0.0)?;
+            let alone = converted.locate(&converted.read(measurement, &Own::default())?, 0.0)?;
             Some(Place {
                 position_m: alone.mean.fixed_rows::<2>(0).into_owned(),
                 covariance: alone.covariance.fixed_view::<2, 2>(0, 0).into_owned(),

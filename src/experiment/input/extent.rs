@@ -1,7 +1,7 @@
 //! Where a sensor's detections lie: an area of the plane, the space above it, or, where directions alone are used, an arc.
 //! Densities of clutter are stated over it, per m², per m³ or per degree.
 
-use crate::model::scan::{Detection, Measurement, Recording};
+use crate::model::scan::{Detection, Measurement, Recording, Scan};
 use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::SensorSettings;
 use crate::model::space::Space;
@@ -90,6 +90,11 @@ pub fn space_of(report: &MeasurementModel) -> Space {
         MeasurementModel::Position3 {
             clutter_span: None, ..
         } => Space::Volume,
+        MeasurementModel::Moving(moving)
+            if moving.is_in_volume && moving.clutter_span.is_none() =>
+        {
+            Space::Volume
+        }
         MeasurementModel::Spherical(spherical)
         | MeasurementModel::ConvertedSpherical(spherical)
             if spherical.sigma_elevation_rad.is_some() && spherical.clutter_span.is_none() =>
@@ -132,11 +137,12 @@ fn length(values: impl Iterator<Item = f64>) -> f64 {
 
 /// The detections of one sensor.
 pub fn detections_of(recording: &Recording, sensor: usize) -> impl Iterator<Item = &Detection> {
-    recording
-        .scans
-        .iter()
-        .filter(move |scan| scan.sensor == sensor)
-        .flat_map(|scan| &scan.detections)
+    scans_of(recording, sensor).flat_map(|scan| &scan.detections)
+}
+
+pub fn scans_of(recording: &Recording, sensor: usize) -> impl Iterator<Item = &Scan> {
+    let scans = recording.scans.iter();
+    scans.filter(move |scan| scan.sensor == sensor)
 }
 
 pub fn place_of(settings: &SensorSettings) -> Position {

@@ -7,6 +7,7 @@ mod in_space;
 mod place;
 mod range_rates;
 mod sight;
+mod velocities;
 
 pub use in_space::is_in_volume;
 use range_rates::{range_rate_span_mps, reported_rates, uses_range_rates};
@@ -125,6 +126,7 @@ pub fn resolve(
         } else {
             reader.report(kind, rates_mps, warnings)
         };
+        let report = velocities::with_velocities(report, (recording, index), settings, warnings);
         let starts = report.starts_in(filter.filter.space());
         if kind == Kind::Bearing {
             faults.extend(bearings::unfit_prior(settings));

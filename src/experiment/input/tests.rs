@@ -18,6 +18,7 @@ pub fn one_scan(sensor: SensorSettings, measurements: &[Measurement]) -> Recordi
             time_s: 0.0,
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections: measurements.iter().map(detection).collect(),
         }],
         detection_ids: (0..count).map(|index| index.to_string()).collect(),

@@ -162,6 +162,16 @@ pub static SENSOR_SETTINGS: Object = Object {
             SIGMA_BEARING,
         ),
         optional(
+            "sigma_speed_mps",
+            "Standard deviation of the speeds of a sensor that reports velocities with its positions; 1 m/s when absent. Without sigma_course_deg it holds on each axis of the velocity.",
+            SIGMA_RATE,
+        ),
+        optional(
+            "sigma_course_deg",
+            "Standard deviation of the courses of such a sensor. The error across the velocity grows with the speed; below 0.5 m/s a course says nothing.",
+            SIGMA_BEARING,
+        ),
+        optional(
             "may_start",
             "Whether a report that no track uses may start a track; false of bearings in the plane without limits of their ranges, else true. Bearings of two sensors at different places start tracks where they cross, if both may.",
             Kind::Flag,

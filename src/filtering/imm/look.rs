@@ -99,6 +99,14 @@ impl<const R: usize, const N: usize, const D: usize> ImmGain<R, N, D> {
         &self.regions[..self.region_count]
     }
 
+    /// Of the states after `dt_s`, as [`Gain::coasted`].
+    pub fn coasted<const K: usize>(mut self, dt_s: f64) -> Self {
+        for look in &mut self.modes {
+            look.gain = look.gain.coasted::<K>(dt_s);
+        }
+        self
+    }
+
     /// The moments of Σ cⱼ N(ẑⱼ, Sⱼ); notes how far each ẑⱼ is from its centre.
     #[inline(always)]
     fn centre(&mut self, angle: Option<usize>) -> Option<Expected<D>> {
@@ -170,6 +178,20 @@ impl<const R: usize, const N: usize, const D: usize> ImmGain<R, N, D> {
     pub fn loss(&self) -> Loss<R, N> {
         std::array::from_fn(|mode| self.modes[mode].gain.loss())
     }
+}
+
+/// Of each model, by the weights with which step 3 updates it.
+pub(super) fn mean_loss<const R: usize, const N: usize>(
+    losses: &[Loss<R, N>],
+    detections: &[Weighted<Change<R, N>>],
+) -> Loss<R, N> {
+    std::array::from_fn(|mode| {
+        let of_mode = losses.iter().zip(detections).map(|(loss, detection)| {
+            let weight = detection.weight * detection.change.probabilities[mode];
+            (&loss[mode], weight)
+        });
+        mixture::mean_loss(of_mode)
+    })
 }
 
 /// Step 3.

@@ -37,6 +37,7 @@ pub use settings::{METHOD, Models};
 
 use super::motions::AnyMotion;
 use super::{Corrector, Filter, Reports, Way, Weighted, WithCorrector};
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::sensing::{Dispatch, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::{GaussianState, packed_len};
@@ -79,6 +80,14 @@ pub struct Belief<const R: usize, const N: usize> {
 }
 
 impl<const R: usize, const N: usize> Belief<R, N> {
+    /// As [`GaussianState::coasted`], of each model.
+    fn coasted<const K: usize>(&self, dt_s: f64) -> Self {
+        Belief {
+            states: self.states.map(|state| state.coasted::<K>(dt_s)),
+            ..*self
+        }
+    }
+
     fn pack_into(&self, packed: &mut Vec<f64>) {
         packed.extend_from_slice(&self.probabilities);
         for state in &self.states {
@@ -248,6 +257,10 @@ where
         look::update(belief, loss, detections);
     }
 
+    fn mean_loss(losses: &[Loss<R, N>], detections: &[Weighted<Change<R, N>>]) -> Loss<R, N> {
+        look::mean_loss(losses, detections)
+    }
+
     fn smooth(step: &Self::Step, belief: &Belief<R, N>, next: &Belief<R, N>) -> Belief<R, N> {
         smooth::smooth::<M, R, N, K>(step, belief, next)
     }
@@ -364,13 +377,25 @@ where
     const ANGLE: Option<usize> = S::ANGLE;
     const HAS_REGIONS: bool = true;
 
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>> {
-        self.sensing.read(report)
+    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>> {
+        self.sensing.read(report, own)
     }
 
     #[inline(always)]
     fn expect(&self, belief: &Belief<R, N>) -> Option<(super::Expected<D>, ImmGain<R, N, D>)> {
         look::expect::<M, S, R, N, K, D>(belief, &self.extras, &self.way, self.sensing)
+    }
+
+    fn expect_own(
+        &self,
+        belief: &Belief<R, N>,
+        own: &Own,
+    ) -> Option<(super::Expected<D>, ImmGain<R, N, D>)> {
+        let sensing = self.sensing.with_own(own);
+        let at_report = belief.coasted::<K>(own.after_s);
+        let (expected, gain) =
+            look::expect::<M, S, R, N, K, D>(&at_report, &self.extras, &self.way, &sensing)?;
+        Some((expected, gain.coasted::<K>(-own.after_s)))
     }
 
     #[inline(always)]
@@ -403,7 +428,17 @@ where
         self.sensing.log_clutter_scale(expected)
     }
 
-    fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<K>> {
-        self.sensing.locate(report, rate_sigma)
+    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64 {
+        self.sensing.with_own(own).log_clutter_scale(expected)
+    }
+
+    fn locate(
+        &self,
+        report: &SVector<f64, D>,
+        rate_sigma: f64,
+        own: &Own,
+    ) -> Option<GaussianState<K>> {
+        let sensing = self.sensing.with_own(own);
+        sensing.locate(report, rate_sigma)
     }
 }

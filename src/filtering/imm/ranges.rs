@@ -15,6 +15,7 @@ use crate::filtering::motions::AnyMotion;
 use crate::filtering::smoothing::Passage;
 use crate::filtering::{Corrector, Expected, Filter, Reports, Way, Weighted, WithCorrector};
 use crate::model::motion::Motion;
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::sensing::{Dispatch, MAX_RANGES, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::GaussianState;
@@ -30,6 +31,8 @@ pub struct RangeParametrised {
     pub way: Way,
     pub reports: Reports,
 }
+
+const PLAIN: [Extra; MAX_RANGES] = [Extra::Nothing; MAX_RANGES];
 
 type Several = Belief<MAX_RANGES, 4>;
 
@@ -71,6 +74,13 @@ impl Filter<4> for RangeParametrised {
     ) {
         look::update(belief, loss, detections);
         drop_improbable(belief);
+    }
+
+    fn mean_loss(
+        losses: &[Loss<MAX_RANGES, 4>],
+        detections: &[Weighted<Change<MAX_RANGES, 4>>],
+    ) -> Loss<MAX_RANGES, 4> {
+        look::mean_loss(losses, detections)
     }
 
     /// Each part by itself; what was dropped since was wrong from the start.
@@ -181,13 +191,20 @@ impl<S: Sensing<4, D>, const D: usize> Corrector<RangeParametrised, 4, D> for Th
     const ANGLE: Option<usize> = S::ANGLE;
     const HAS_REGIONS: bool = true;
 
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>> {
-        self.sensing.read(report)
+    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>> {
+        self.sensing.read(report, own)
     }
 
     fn expect(&self, belief: &Several) -> Option<(Expected<D>, Self::Gain)> {
-        const PLAIN: [Extra; MAX_RANGES] = [Extra::Nothing; MAX_RANGES];
         look::expect::<AnyMotion, _, _, _, 4, D>(belief, &PLAIN, &self.way, self.sensing)
+    }
+
+    fn expect_own(&self, belief: &Several, own: &Own) -> Option<(Expected<D>, Self::Gain)> {
+        let sensing = self.sensing.with_own(own);
+        let at_report = belief.coasted::<4>(own.after_s);
+        let (expected, gain) =
+            look::expect::<AnyMotion, _, _, _, 4, D>(&at_report, &PLAIN, &self.way, &sensing)?;
+        Some((expected, gain.coasted::<4>(-own.after_s)))
     }
 
     fn regions(gain: &Self::Gain) -> &[Expected<D>] {
@@ -215,11 +232,22 @@ impl<S: Sensing<4, D>, const D: usize> Corrector<RangeParametrised, 4, D> for Th
         self.sensing.log_clutter_scale(expected)
     }
 
-    fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<4>> {
-        self.sensing.locate(report, rate_sigma)
+    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64 {
+        self.sensing.with_own(own).log_clutter_scale(expected)
     }
 
-    fn parts(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Vec<GaussianState<4>> {
-        self.sensing.parts(report, rate_sigma)
+    fn locate(
+        &self,
+        report: &SVector<f64, D>,
+        rate_sigma: f64,
+        own: &Own,
+    ) -> Option<GaussianState<4>> {
+        let sensing = self.sensing.with_own(own);
+        sensing.locate(report, rate_sigma)
+    }
+
+    fn parts(&self, report: &SVector<f64, D>, rate_sigma: f64, own: &Own) -> Vec<GaussianState<4>> {
+        let sensing = self.sensing.with_own(own);
+        sensing.parts(report, rate_sigma)
     }
 }

@@ -7,6 +7,7 @@ use crate::formats::Reading;
 use crate::model::beside::Beside;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
+use crate::model::own::{Own, OwnNoise, whole};
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan, mean_time_s};
 use crate::model::sensor::SensorSettings;
 use crate::model::state::Position;
@@ -136,6 +137,7 @@ fn fill_scans(
             time_s,
             sensor: key.0 as usize,
             pose: None,
+            own: Vec::new(),
             detections: Vec::new(),
         };
         for &index in &of_scan[&key] {
@@ -143,6 +145,7 @@ fn fill_scans(
             let Some(measurement) = measure(report, ground) else {
                 continue;
             };
+            scan.own.push(own_of(report, time_s));
             scan.detections.push(Detection {
                 measurement,
                 origin: report.identity.map(|identity| numbers[identity as usize]),
@@ -153,9 +156,29 @@ fn fill_scans(
             parts.beside.heights_m.push(report.height_m);
             labels.note(&mut parts.beside, feed, index);
         }
+        scan.own = whole(scan.own);
         parts.scans.push(scan);
     }
     forget_what_is_nowhere(&mut parts.beside, parts.detection_ids.len());
+}
+
+/// Its time in the scan, how well its place is known, and its velocity, as far as it says them.
+fn own_of(report: &super::Report, scan_s: f64) -> Own {
+    let is_placed = !matches!(report.spot, super::Spot::Polar { .. });
+    let sigma_m = report.sigma_m.filter(|sigma_m| *sigma_m > 0.0 && is_placed);
+    let velocity = |motion: super::Motion| {
+        let (east, north) = motion.course_rad.sin_cos();
+        [motion.speed_mps * east, motion.speed_mps * north]
+    };
+    Own {
+        after_s: report.time_s - scan_s,
+        noise: OwnNoise {
+            sigma_x_m: sigma_m,
+            sigma_y_m: sigma_m,
+            ..OwnNoise::default()
+        },
+        velocity_mps: report.motion.filter(|_| is_placed).map(velocity),
+    }
 }
 
 fn measure(report: &super::Report, ground: &mut Ground) -> Option<Measurement> {

@@ -2,10 +2,12 @@
 //! declares a scan that saw nothing.
 
 mod columns;
+mod own;
 mod poses;
 mod scans;
 mod write;
 
+pub use own::{COLUMNS as OWN_COLUMNS, VELOCITY as OWN_VELOCITY};
 pub use poses::{COLUMNS as POSE_COLUMNS, PLACE as POSE_PLACE};
 pub use write::write;
 
@@ -18,6 +20,7 @@ use crate::formats::Units;
 use crate::model::beside::Labels;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
+use crate::model::own::Own;
 use crate::model::pose::Pose;
 use crate::model::scan::{Detection, Measurement};
 use crate::model::sensor::SensorSettings;
@@ -34,6 +37,7 @@ struct Found {
     row: u64,
     detection: Option<Detection>,
     height_m: Option<f64>,
+    own: Own,
     /// Of the poses that the rows have shown.
     pose: Option<u32>,
 }
@@ -121,6 +125,7 @@ impl Builder {
         let measurement = self.measurement(reader, columns);
         let amplitude = reader.optional_number(columns.amplitude);
         let height_m = reader.optional_number(columns.height);
+        let own = columns.own.read(reader);
         let pose = self.pose(reader, columns);
         let (Some(time_s), true) = (time_s, reader.is_sound()) else {
             return;
@@ -142,6 +147,7 @@ impl Builder {
                 amplitude,
             }),
             height_m,
+            own,
             pose,
         };
         self.keep(found, reader, columns);

@@ -1,191 +1,23 @@
 //! Column names: which the kinds of dataset know, what the uploader renamed, what is missing or twice there.
 
 mod guess;
+mod schemas;
 mod told;
 
-use super::detections::{POSE_COLUMNS, POSE_PLACE};
+use super::detections::{OWN_COLUMNS, POSE_COLUMNS};
 use super::{FaultLog, Rows, units};
 use crate::formats::ReadOptions;
 use crate::model::attributes::{ATTRIBUTES, attribute_named};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
-use crate::model::modes::MAX_MODES;
+pub use schemas::{
+    BEARING_COVARIANCE, COVARIANCE, MODE_COLUMNS, VELOCITY, VOLUME_COVARIANCE, VOLUME_VELOCITY,
+};
+use schemas::{
+    BEARING_TRACKS, DETECTIONS, EVERYWHERE, PLANAR_PARTS, Schema, TRACKS, TRACKS_IN_VOLUME,
+    TRUE_BEARINGS, TRUTH, TRUTH_IN_VOLUME,
+};
 use told::{check_duplicates, listed, warnings};
-
-/// The ten columns of a covariance, upper triangle.
-pub const COVARIANCE: [&str; 10] = [
-    "p_xx", "p_xy", "p_xvx", "p_xvy", "p_yy", "p_yvx", "p_yvy", "p_vxvx", "p_vxvy", "p_vyvy",
-];
-
-pub const VELOCITY: [&str; 2] = ["vx_mps", "vy_mps"];
-
-pub const VOLUME_VELOCITY: [&str; 3] = ["vx_mps", "vy_mps", "vz_mps"];
-
-/// The 21 columns of a covariance in a volume, upper triangle.
-pub const VOLUME_COVARIANCE: [&str; 21] = [
-    "p_xx", "p_xy", "p_xz", "p_xvx", "p_xvy", "p_xvz", "p_yy", "p_yz", "p_yvx", "p_yvy", "p_yvz",
-    "p_zz", "p_zvx", "p_zvy", "p_zvz", "p_vxvx", "p_vxvy", "p_vxvz", "p_vyvy", "p_vyvz", "p_vzvz",
-];
-
-/// The three columns of a bearing's covariance, upper triangle (deg², deg²/s, deg²/s²).
-pub const BEARING_COVARIANCE: [&str; 3] = ["p_bb", "p_bbr", "p_brbr"];
-
-/// The columns of one kind of dataset.
-struct Schema {
-    required: &'static [&'static str],
-    optional: &'static [&'static str],
-    /// Known, kept in the file, but not read into the dataset.
-    unused: &'static [&'static str],
-    /// Columns that come together or not at all.
-    together: &'static [&'static [&'static str]],
-}
-
-/// Columns that every kind may have.
-const EVERYWHERE: &[&str] = &["lat_deg", "lon_deg", "height_m", "speed_mps", "course_deg"];
-
-const DETECTIONS: Schema = Schema {
-    required: &["time_s"],
-    optional: &[
-        "scan",
-        "sensor_id",
-        "detection_id",
-        "x_m",
-        "y_m",
-        "range_m",
-        "bearing_deg",
-        "range_rate_mps",
-        "amplitude",
-        "truth_id",
-        "z_m",
-        "elevation_deg",
-    ],
-    unused: &[],
-    together: &[&["x_m", "y_m"], &POSE_PLACE],
-};
-
-const TRUTH: Schema = Schema {
-    required: &["time_s", "truth_id", "x_m", "y_m"],
-    optional: &["vx_mps", "vy_mps"],
-    unused: &["z_m", "bearing_deg"],
-    together: &[&VELOCITY],
-};
-
-const TRUTH_IN_VOLUME: Schema = Schema {
-    required: &["time_s", "truth_id", "x_m", "y_m", "z_m"],
-    optional: &VOLUME_VELOCITY,
-    unused: &["bearing_deg"],
-    together: &[&VOLUME_VELOCITY],
-};
-
-/// Of targets whose direction alone is known.
-const TRUE_BEARINGS: Schema = Schema {
-    required: &["time_s", "truth_id", "bearing_deg"],
-    optional: &[],
-    unused: &[],
-    together: &[],
-};
-
-/// How probable each motion model was.
-pub const MODE_COLUMNS: [&str; MAX_MODES] =
-    ["mode_1", "mode_2", "mode_3", "mode_4", "mode_5", "mode_6"];
-
-const TRACKS: Schema = Schema {
-    required: &["time_s", "track_id", "x_m", "y_m"],
-    optional: &[
-        "sensor_id",
-        "vx_mps",
-        "vy_mps",
-        "p_xx",
-        "p_xy",
-        "p_xvx",
-        "p_xvy",
-        "p_yy",
-        "p_yvx",
-        "p_yvy",
-        "p_vxvx",
-        "p_vxvy",
-        "p_vyvy",
-        "detection_id",
-        "probability",
-        "status",
-        "nis",
-        "mode_1",
-        "mode_2",
-        "mode_3",
-        "mode_4",
-        "mode_5",
-        "mode_6",
-    ],
-    unused: &["z_m", "bearing_deg", "bearing_rate_degps", "existence"],
-    together: &[&VELOCITY, &COVARIANCE],
-};
-
-const TRACKS_IN_VOLUME: Schema = Schema {
-    required: &["time_s", "track_id", "x_m", "y_m", "z_m"],
-    optional: &[
-        "sensor_id",
-        "vx_mps",
-        "vy_mps",
-        "vz_mps",
-        "p_xx",
-        "p_xy",
-        "p_xz",
-        "p_xvx",
-        "p_xvy",
-        "p_xvz",
-        "p_yy",
-        "p_yz",
-        "p_yvx",
-        "p_yvy",
-        "p_yvz",
-        "p_zz",
-        "p_zvx",
-        "p_zvy",
-        "p_zvz",
-        "p_vxvx",
-        "p_vxvy",
-        "p_vxvz",
-        "p_vyvy",
-        "p_vyvz",
-        "p_vzvz",
-        "detection_id",
-        "probability",
-        "status",
-        "nis",
-        "mode_1",
-        "mode_2",
-        "mode_3",
-        "mode_4",
-        "mode_5",
-        "mode_6",
-    ],
-    unused: &["bearing_deg", "bearing_rate_degps", "existence"],
-    together: &[&VOLUME_VELOCITY, &VOLUME_COVARIANCE],
-};
-
-/// Of trackers that know directions alone.
-const BEARING_TRACKS: Schema = Schema {
-    required: &["time_s", "track_id", "bearing_deg"],
-    optional: &[
-        "sensor_id",
-        "bearing_rate_degps",
-        "p_bb",
-        "p_bbr",
-        "p_brbr",
-        "detection_id",
-        "probability",
-        "status",
-        "nis",
-    ],
-    unused: &["existence"],
-    together: &[&BEARING_COVARIANCE],
-};
-
-/// Groups of a volume, and those of the plane with a part of the same names.
-const PLANAR_PARTS: [(&[&str], &[&str]); 2] = [
-    (&VOLUME_VELOCITY, &VELOCITY),
-    (&VOLUME_COVARIANCE, &COVARIANCE),
-];
 
 impl Schema {
     /// Truth and tracks are of places unless all that the columns have is a direction; of a volume where places have a z.
@@ -209,19 +41,22 @@ impl Schema {
         self.required.contains(&name)
             || self.optional.contains(&name)
             || EVERYWHERE.contains(&name)
-            || self.of_poses().contains(&name)
+            || self.of_rows().iter().any(|names| names.contains(&name))
             || attribute_named(name).is_some()
     }
 
-    /// Where sensors are is told with their detections.
-    fn of_poses(&self) -> &'static [&'static str] {
-        let is_detections = std::ptr::eq(self, &DETECTIONS);
-        if is_detections { &POSE_COLUMNS } else { &[] }
+    /// How well a detection was measured, and where its sensor was.
+    fn of_rows(&self) -> &'static [&'static [&'static str]] {
+        let known: &[&[&str]] = &[&OWN_COLUMNS, &POSE_COLUMNS];
+        if std::ptr::eq(self, &DETECTIONS) {
+            known
+        } else {
+            &[]
+        }
     }
 
     fn is_unused(&self, name: &str) -> bool {
         self.unused.contains(&name)
-            || (std::ptr::eq(self, &DETECTIONS) && name.starts_with("sigma_"))
     }
 
     /// Columns of the plane in a file of a volume: they say nothing of its third axis, so they are not read.
@@ -239,7 +74,7 @@ impl Schema {
         [
             self.required,
             self.optional,
-            self.of_poses(),
+            &self.of_rows().concat(),
             self.unused,
             EVERYWHERE,
             ATTRIBUTES,

@@ -13,6 +13,7 @@ use super::polar::View;
 use super::position::at_rest;
 use super::range_prior::{RangePrior, UncertainRange};
 use crate::model::angle::wrap;
+use crate::model::own::{Own, OwnNoise};
 use crate::model::scan::Measurement;
 use crate::model::state::{GaussianState, Position, PositionCovariance, State};
 use nalgebra::{Matrix1, SMatrix, Vector1};
@@ -30,7 +31,7 @@ pub struct Bearing {
 impl Sensing<4, 1> for Bearing {
     const ANGLE: Option<usize> = Some(0);
 
-    fn read(&self, report: &Measurement) -> Option<Vector1<f64>> {
+    fn read(&self, report: &Measurement, _own: &Own) -> Option<Vector1<f64>> {
         match report.flat() {
             Measurement::Bearing { bearing_rad } => Some(Vector1::new(wrap(bearing_rad))),
             _ => None,
@@ -75,6 +76,10 @@ impl Sensing<4, 1> for Bearing {
         }
     }
 
+    fn with_own(&self, own: &Own) -> Self {
+        self.with_noise(&own.noise)
+    }
+
     /// The moments of all ranges that it may be at.
     fn locate(&self, report: &Vector1<f64>, rate_sigma: f64) -> Option<GaussianState> {
         let whole = self.range_prior?.whole();
@@ -98,6 +103,13 @@ impl Bearing {
             bearing_rad,
             variance_rad2: self.widened(bearing_rad).powi(2),
             spread_m2: errors.map_or_else(PositionCovariance::zeros, |errors| errors.of_place()),
+        }
+    }
+
+    pub(super) fn with_noise(&self, own: &OwnNoise) -> Bearing {
+        Bearing {
+            sigma_bearing_rad: own.sigma_bearing_rad.unwrap_or(self.sigma_bearing_rad),
+            ..*self
         }
     }
 

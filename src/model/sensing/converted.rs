@@ -15,6 +15,7 @@
 use super::Sensing;
 use super::polar::{Polar, View};
 use super::position::at_rest;
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::state::{GaussianState, Position, PositionCovariance, State};
 use nalgebra::{SMatrix, SVector};
@@ -26,7 +27,7 @@ pub struct Converted(pub Polar);
 impl Sensing<4, 2> for Converted {
     const IS_DIRECT: bool = true;
 
-    fn read(&self, report: &Measurement) -> Option<Position> {
+    fn read(&self, report: &Measurement, _own: &Own) -> Option<Position> {
         match report.flat() {
             Measurement::RangeBearing {
                 range_m,
@@ -52,6 +53,10 @@ impl Sensing<4, 2> for Converted {
     fn noise(&self, belief: &GaussianState) -> PositionCovariance {
         let spread = belief.covariance.fixed_view::<2, 2>(0, 0).into_owned();
         self.noise_at(self.project(&belief.mean), &spread)
+    }
+
+    fn with_own(&self, own: &Own) -> Self {
+        Converted(self.0.with_noise(&own.noise))
     }
 
     fn locate(&self, report: &SVector<f64, 2>, rate_sigma: f64) -> Option<GaussianState> {

@@ -2,6 +2,7 @@
 
 use super::{Bearing, Sensing};
 use crate::model::angle::wrap;
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::state::GaussianState;
 use nalgebra::{Matrix1, Matrix1x2, Matrix2, Vector1, Vector2};
@@ -20,7 +21,7 @@ impl Sensing<2, 1> for Direction {
     const ANGLE: Option<usize> = Some(0);
     const IS_DIRECT: bool = true;
 
-    fn read(&self, report: &Measurement) -> Option<Vector1<f64>> {
+    fn read(&self, report: &Measurement, _own: &Own) -> Option<Vector1<f64>> {
         match *report {
             Measurement::Bearing { bearing_rad }
             | Measurement::RangeBearing { bearing_rad, .. }
@@ -42,6 +43,10 @@ impl Sensing<2, 1> for Direction {
 
     fn noise(&self, belief: &GaussianState<2>) -> Matrix1<f64> {
         Matrix1::new(self.variance(belief.mean[0]))
+    }
+
+    fn with_own(&self, own: &Own) -> Self {
+        Direction(self.0.with_noise(&own.noise))
     }
 
     fn locate(&self, report: &Vector1<f64>, rate_sigma: f64) -> Option<GaussianState<2>> {

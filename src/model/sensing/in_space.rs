@@ -16,6 +16,7 @@ use super::converted;
 use super::polar::Polar;
 use super::site::Sight;
 use super::spherical::Spherical;
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::space::Place;
 use crate::model::state::{GaussianState, Position};
@@ -27,6 +28,8 @@ pub enum Places {
     /// Positions with independent noise on each axis (m); those of the plane have two.
     Measured {
         sigmas_m: [f64; 3],
+        /// Of the errors of x and y.
+        correlation_xy: f64,
         /// As of [`Spherical::clutter_span`].
         clutter_span: Option<f64>,
     },
@@ -39,7 +42,7 @@ pub enum Places {
 impl<const D: usize> Sensing<6, D> for Places {
     const IS_DIRECT: bool = true;
 
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>> {
+    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>> {
         let place_m = match (self, *report) {
             (Places::Measured { .. }, Measurement::Position3 { x_m, y_m, z_m }) => {
                 Place::new(x_m, y_m, z_m)
@@ -48,7 +51,7 @@ impl<const D: usize> Sensing<6, D> for Places {
                 Place::new(x_m, y_m, 0.0)
             }
             (Places::Flat(polar), _) => {
-                Sensing::<4, 2>::read(&converted::Converted(*polar), report)?.push(0.0)
+                Sensing::<4, 2>::read(&converted::Converted(*polar), report, own)?.push(0.0)
             }
             (
                 Places::Converted(spherical),
@@ -74,9 +77,16 @@ impl<const D: usize> Sensing<6, D> for Places {
 
     fn noise(&self, belief: &GaussianState<6>) -> SMatrix<f64, D, D> {
         let noise = match self {
-            Places::Measured { sigmas_m, .. } => {
+            Places::Measured {
+                sigmas_m,
+                correlation_xy,
+                ..
+            } => {
                 let variances = sigmas_m.map(|sigma_m| sigma_m * sigma_m);
-                Matrix3::from_diagonal(&variances.into())
+                let mut noise = Matrix3::from_diagonal(&variances.into());
+                let mixed = correlation_xy * sigmas_m[0] * sigmas_m[1];
+                (noise[(0, 1)], noise[(1, 0)]) = (mixed, mixed);
+                noise
             }
             Places::Flat(polar) => {
                 let spread = belief.covariance.fixed_view::<2, 2>(0, 0).into_owned();
@@ -94,6 +104,26 @@ impl<const D: usize> Sensing<6, D> for Places {
             }
         };
         noise.fixed_view::<D, D>(0, 0).into_owned()
+    }
+
+    fn with_own(&self, own: &Own) -> Self {
+        match *self {
+            Places::Measured {
+                sigmas_m: [x, y, z],
+                clutter_span,
+                ..
+            } => Places::Measured {
+                sigmas_m: [
+                    own.noise.sigma_x_m.unwrap_or(x),
+                    own.noise.sigma_y_m.unwrap_or(y),
+                    own.noise.sigma_z_m.unwrap_or(z),
+                ],
+                correlation_xy: own.noise.correlation_xy.unwrap_or(0.0),
+                clutter_span,
+            },
+            Places::Flat(polar) => Places::Flat(polar.with_noise(&own.noise)),
+            Places::Converted(spherical) => Places::Converted(spherical.with_noise(&own.noise)),
+        }
     }
 
     fn log_clutter_scale(&self, _expected: &SVector<f64, D>) -> f64 {

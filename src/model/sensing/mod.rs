@@ -6,6 +6,7 @@
 //! and its rate (`K` = 2);
 //! z a report as `D` values; h what is reported of a state without noise; H = ∂h/∂x; R noise covariance.
 
+use super::own::Own;
 use super::pose::Pose;
 use super::scan::Measurement;
 use super::space::Space;
@@ -17,6 +18,7 @@ mod converted;
 mod crossing;
 mod direction;
 mod in_space;
+mod moving;
 mod platform;
 mod polar;
 mod position;
@@ -29,6 +31,7 @@ pub use converted::Converted;
 pub use crossing::{LineOfSight, cross};
 pub use direction::Direction;
 pub use in_space::{Places, unbiased_covariance, unbiased_place};
+pub use moving::{Moving, VelocityNoise};
 pub use platform::{Platform, PoseErrors};
 pub use polar::{Polar, RangeRate};
 pub use position::Positions;
@@ -37,14 +40,14 @@ pub use site::Site;
 pub use spherical::{Directions, Ranges, Spherical};
 
 /// One kind of report of targets whose kinematics have `K` variables, as `D` values.
-pub trait Sensing<const K: usize, const D: usize> {
+pub trait Sensing<const K: usize, const D: usize>: Copy {
     /// The value that is an angle, if there is one; it is kept in [−π, π).
     const ANGLE: Option<usize> = None;
     /// Whether h picks the first `D` variables of the state; then the others need no H.
     const IS_DIRECT: bool = false;
 
     /// A report as z; `None` for a report of another kind.
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>>;
+    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>>;
 
     /// h(x).
     fn project(&self, mean: &SVector<f64, K>) -> SVector<f64, D>;
@@ -59,6 +62,10 @@ pub trait Sensing<const K: usize, const D: usize> {
 
     /// R of a report of a target in this state.
     fn noise(&self, belief: &GaussianState<K>) -> SMatrix<f64, D, D>;
+
+    /// The same of a report that has something of its own.
+    #[must_use]
+    fn with_own(&self, own: &Own) -> Self;
 
     /// ln of how much of the space in which clutter is stated a unit of z covers, around the expected z.
     fn log_clutter_scale(&self, _expected: &SVector<f64, D>) -> f64 {
@@ -92,6 +99,8 @@ pub enum MeasurementModel {
         /// As of [`Spherical::clutter_span`].
         clutter_span: Option<f64>,
     },
+    /// Positions with velocities over the ground.
+    Moving(Moving),
     /// Ranges and bearings in space, with elevations where they are measured.
     Spherical(Spherical),
     /// Ranges, bearings and elevations that are turned into positions.
@@ -118,6 +127,7 @@ impl MeasurementModel {
             MeasurementModel::Position3 { .. } | MeasurementModel::ConvertedSpherical(_) => 3,
             MeasurementModel::Spherical(spherical) => spherical.dimensions(),
             MeasurementModel::Sight(_) => 2,
+            MeasurementModel::Moving(moving) => 4 + usize::from(moving.is_in_volume),
         }
     }
 
@@ -144,6 +154,7 @@ impl MeasurementModel {
                     true
                 }
                 MeasurementModel::Spherical(spherical) => spherical.sigma_elevation_rad.is_some(),
+                MeasurementModel::Moving(moving) => moving.is_in_volume,
                 _ => false,
             },
         }
@@ -153,6 +164,11 @@ impl MeasurementModel {
     /// are known.
     pub fn starts_in(&self, space: Space) -> bool {
         self.locates_in(space) || space == Space::Plane && self.range_prior().is_some()
+    }
+
+    /// Whether a track starts with one of its reports where others need two: it tells a velocity, or a second one would not help.
+    pub fn starts_alone(&self) -> bool {
+        matches!(self, MeasurementModel::Moving(_)) || self.range_prior().is_some()
     }
 
     /// Where along its bearings targets may be, of a sensor of bearings alone.
@@ -185,7 +201,9 @@ impl MeasurementModel {
             ..polar
         };
         match *self {
-            MeasurementModel::Position { .. } | MeasurementModel::Position3 { .. } => *self,
+            MeasurementModel::Position { .. }
+            | MeasurementModel::Position3 { .. }
+            | MeasurementModel::Moving(_) => *self,
             MeasurementModel::Polar(polar) => MeasurementModel::Polar(moved(polar)),
             MeasurementModel::Converted(polar) => MeasurementModel::Converted(moved(polar)),
             MeasurementModel::Bearing(bearing) => MeasurementModel::Bearing(Bearing {
@@ -208,7 +226,9 @@ impl MeasurementModel {
     /// Where the sensor stands, if that matters to its reports.
     pub fn place_m(&self) -> Option<Position> {
         match self {
-            MeasurementModel::Position { .. } | MeasurementModel::Position3 { .. } => None,
+            MeasurementModel::Position { .. }
+            | MeasurementModel::Position3 { .. }
+            | MeasurementModel::Moving(_) => None,
             MeasurementModel::Polar(polar) | MeasurementModel::Converted(polar) => {
                 Some(polar.place_m)
             }
@@ -247,6 +267,7 @@ impl Dispatch<4> for MeasurementModel {
             MeasurementModel::Polar(polar) => work.with::<_, 2>(&polar),
             MeasurementModel::Converted(polar) => work.with::<_, 2>(&Converted(polar)),
             MeasurementModel::Bearing(bearing) => work.with::<_, 1>(&bearing),
+            MeasurementModel::Moving(moving) => work.with::<_, 4>(&moving),
             MeasurementModel::Position3 { .. }
             | MeasurementModel::Spherical(_)
             | MeasurementModel::ConvertedSpherical(_)
@@ -269,6 +290,7 @@ impl Dispatch<6> for MeasurementModel {
                 sigma_y_m,
             } => work.with::<_, 2>(&Places::Measured {
                 sigmas_m: [sigma_x_m, sigma_y_m, 0.0],
+                correlation_xy: 0.0,
                 clutter_span: None,
             }),
             MeasurementModel::Converted(polar) => work.with::<_, 2>(&Places::Flat(polar)),
@@ -277,11 +299,14 @@ impl Dispatch<6> for MeasurementModel {
                 clutter_span,
             } => work.with::<_, 3>(&Places::Measured {
                 sigmas_m,
+                correlation_xy: 0.0,
                 clutter_span,
             }),
             MeasurementModel::ConvertedSpherical(spherical) => {
                 work.with::<_, 3>(&Places::Converted(spherical))
             }
+            MeasurementModel::Moving(moving) if moving.is_in_volume => work.with::<_, 5>(&moving),
+            MeasurementModel::Moving(moving) => work.with::<_, 4>(&moving),
             MeasurementModel::Polar(polar) => ranges(work, polar.into()),
             MeasurementModel::Spherical(spherical) => ranges(work, spherical),
             MeasurementModel::Bearing(bearing) => {

@@ -9,6 +9,7 @@ use super::converted::{unbiased_covariance, unbiased_position};
 use super::platform::Platform;
 use super::position::at_rest;
 use crate::model::angle::wrap;
+use crate::model::own::{Own, OwnNoise};
 use crate::model::scan::Measurement;
 use crate::model::state::{GaussianState, Position, PositionCovariance, State};
 use nalgebra::{SMatrix, SVector};
@@ -31,6 +32,15 @@ pub struct RangeRate {
     pub sigma_mps: f64,
     /// False detections have range rates uniform over an interval of this length.
     pub span_mps: f64,
+}
+
+impl RangeRate {
+    pub(super) fn with_noise(self, own: &OwnNoise) -> RangeRate {
+        RangeRate {
+            sigma_mps: own.sigma_range_rate_mps.unwrap_or(self.sigma_mps),
+            ..self
+        }
+    }
 }
 
 /// A target as a sensor sees it.
@@ -76,7 +86,7 @@ impl View {
 impl<const D: usize> Sensing<4, D> for Polar {
     const ANGLE: Option<usize> = Some(1);
 
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>> {
+    fn read(&self, report: &Measurement, _own: &Own) -> Option<SVector<f64, D>> {
         let Measurement::RangeBearing {
             range_m,
             bearing_rad,
@@ -172,6 +182,10 @@ impl<const D: usize> Sensing<4, D> for Polar {
         }
     }
 
+    fn with_own(&self, own: &Own) -> Self {
+        self.with_noise(&own.noise)
+    }
+
     /// The plane's area a unit of (r, β) covers is r; with range rates, r over the interval that clutter's rates fill.
     fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64 {
         let span_mps = self
@@ -204,6 +218,15 @@ impl<const D: usize> Sensing<4, D> for Polar {
 }
 
 impl Polar {
+    pub(super) fn with_noise(&self, own: &OwnNoise) -> Polar {
+        Polar {
+            sigma_range_m: own.sigma_range_m.unwrap_or(self.sigma_range_m),
+            sigma_bearing_rad: own.sigma_bearing_rad.unwrap_or(self.sigma_bearing_rad),
+            range_rate: self.range_rate.map(|rate| rate.with_noise(own)),
+            ..*self
+        }
+    }
+
     fn relative_mps(&self, state: &State) -> Position {
         state.fixed_rows::<2>(2) - self.platform.velocity_mps
     }

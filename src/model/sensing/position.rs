@@ -1,6 +1,7 @@
 //! Positions in the plane: h(x) = (x, y).
 
 use super::Sensing;
+use crate::model::own::Own;
 use crate::model::scan::Measurement;
 use crate::model::state::{Covariance, GaussianState, Position, PositionCovariance, State};
 use nalgebra::{SMatrix, SVector};
@@ -22,7 +23,7 @@ impl Positions {
 impl Sensing<4, 2> for Positions {
     const IS_DIRECT: bool = true;
 
-    fn read(&self, report: &Measurement) -> Option<Position> {
+    fn read(&self, report: &Measurement, _own: &Own) -> Option<Position> {
         report.position()
     }
 
@@ -38,6 +39,16 @@ impl Sensing<4, 2> for Positions {
     #[inline(always)]
     fn noise(&self, _belief: &GaussianState) -> PositionCovariance {
         self.noise
+    }
+
+    fn with_own(&self, own: &Own) -> Self {
+        let sigma = |axis: usize, own: Option<f64>| own.unwrap_or(self.noise[(axis, axis)].sqrt());
+        let mut noisy =
+            Positions::new(sigma(0, own.noise.sigma_x_m), sigma(1, own.noise.sigma_y_m));
+        let correlation = own.noise.correlation_xy.unwrap_or(0.0);
+        let mixed = correlation * (noisy.noise[(0, 0)] * noisy.noise[(1, 1)]).sqrt();
+        (noisy.noise[(0, 1)], noisy.noise[(1, 0)]) = (mixed, mixed);
+        noisy
     }
 
     fn locate(&self, report: &SVector<f64, 2>, rate_sigma: f64) -> Option<GaussianState> {

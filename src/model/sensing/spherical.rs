@@ -17,6 +17,7 @@ use super::polar::{Polar, RangeRate};
 use super::site::{Sight, Site, axes};
 use super::{Bearing, site};
 use crate::model::angle::wrap;
+use crate::model::own::{Own, OwnNoise};
 use crate::model::scan::Measurement;
 use crate::model::space::Place;
 use crate::model::state::GaussianState;
@@ -98,6 +99,18 @@ impl Spherical {
             ..self.site
         };
         Spherical { site, ..self }
+    }
+
+    pub(super) fn with_noise(&self, own: &OwnNoise) -> Spherical {
+        let elevation = self.sigma_elevation_rad;
+        Spherical {
+            sigma_range_m: own.sigma_range_m.unwrap_or(self.sigma_range_m),
+            sigma_bearing_rad: own.sigma_bearing_rad.unwrap_or(self.sigma_bearing_rad),
+            sigma_elevation_rad: elevation
+                .map(|sigma_rad| own.sigma_elevation_rad.unwrap_or(sigma_rad)),
+            range_rate: self.range_rate.map(|rate| rate.with_noise(own)),
+            ..*self
+        }
     }
 
     /// Values of a report with its range.
@@ -263,7 +276,7 @@ impl Spherical {
 impl<const D: usize> Sensing<6, D> for Ranges {
     const ANGLE: Option<usize> = Some(1);
 
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>> {
+    fn read(&self, report: &Measurement, _own: &Own) -> Option<SVector<f64, D>> {
         let sight = match *report {
             Measurement::RangeBearingElevation { .. } if self.0.is_flat => report.flat(),
             other => other,
@@ -310,6 +323,10 @@ impl<const D: usize> Sensing<6, D> for Ranges {
         self.0.noise(self.0.ranged())
     }
 
+    fn with_own(&self, own: &Own) -> Self {
+        Ranges(self.0.with_noise(&own.noise))
+    }
+
     /// A unit of (r, β, ε) covers r² cos ε of space, of (r, β) r of the ground; range rates as in the plane.
     fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64 {
         let range_m = expected[0].abs().max(site::LEAST_RANGE_M);
@@ -331,7 +348,7 @@ impl<const D: usize> Sensing<6, D> for Ranges {
 impl<const D: usize> Sensing<6, D> for Directions {
     const ANGLE: Option<usize> = Some(0);
 
-    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>> {
+    fn read(&self, report: &Measurement, _own: &Own) -> Option<SVector<f64, D>> {
         let (bearing_rad, elevation_rad) = match *report {
             Measurement::Bearing { bearing_rad } => (bearing_rad, None),
             Measurement::BearingElevation {
@@ -362,6 +379,10 @@ impl<const D: usize> Sensing<6, D> for Directions {
 
     fn noise(&self, _belief: &GaussianState<6>) -> SMatrix<f64, D, D> {
         self.0.noise(Spherical::directed())
+    }
+
+    fn with_own(&self, own: &Own) -> Self {
+        Directions(self.0.with_noise(&own.noise))
     }
 
     /// Per radian of bearing, and with elevations over the interval that clutter fills.

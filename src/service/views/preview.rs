@@ -61,6 +61,7 @@ fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
         time_s: scan.time_s,
         sensor: scan.sensor,
         pose: scan.pose,
+        own: Vec::new(),
         detections: scan
             .detections
             .iter()

@@ -10,7 +10,7 @@ use super::initiation::Point;
 use crate::filtering::Filter;
 use crate::hypotheses::bounds;
 use crate::model::scan::{Detection, Measurement, Scan};
-use crate::model::sensing::{Bearing, LineOfSight, MeasurementModel, cross};
+use crate::model::sensing::{Bearing, LineOfSight, MeasurementModel, Sensing, cross};
 use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::model::watch::Halt;
 use crate::tracking::recorder::Recorder;
@@ -36,6 +36,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         if self.memory.rays.len() <= scan.sensor {
             self.memory.rays.resize_with(scan.sensor + 1, Vec::new);
         }
+        let report = MeasurementModel::Bearing(*bearing);
         let mut alone = Vec::new();
         let mut started = 0;
         for (index, detection) in scan.detections.iter().enumerate() {
@@ -50,9 +51,10 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                     sensor: scan.sensor,
                     detection: index as u32,
                     origin: ray.origin,
+                    after_s: scan.own_of(index).after_s,
                     state: self.at_rest(place),
                 };
-                self.start_with_one(&point, &MeasurementModel::Bearing(*bearing), recorder);
+                self.start_with_one(&point, (scan, &report), recorder);
             }
             started += places.len();
             bounds::check_scan(started, scan)?;
@@ -77,8 +79,10 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let Measurement::Bearing { bearing_rad } = detection.measurement.flat() else {
             return None;
         };
+        let own = scan.own_of(index);
+        let bearing = Sensing::<4, 1>::with_own(bearing, &own);
         (!self.scratch.hypotheses.is_used(index)).then(|| Ray {
-            time_s: scan.time_s,
+            time_s: scan.time_s + own.after_s,
             origin: detection.origin,
             sight: bearing.sight(bearing_rad),
             has_crossed: false,

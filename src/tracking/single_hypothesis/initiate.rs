@@ -58,7 +58,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 &self.scratch.hypotheses,
                 self.lifecycle.initial_speed_sigma_mps,
             );
-            let Some(state) = hypotheses.locate(&self.filter, report, sigma_mps, index) else {
+            let own = scan.own_of(index);
+            let Some(state) = hypotheses.locate(&self.filter, report, sigma_mps, (index, &own))
+            else {
                 continue;
             };
             let point = Point {
@@ -67,11 +69,12 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 sensor: scan.sensor,
                 detection: index as u32,
                 origin: detection.origin,
+                after_s: own.after_s,
                 state,
             };
             match self.pair_rule {
-                Some(_) if report.range_prior().is_none() => self.memory.initiator.push(point),
-                _ => self.start_with_one(&point, report, recorder),
+                Some(_) if !report.starts_alone() => self.memory.initiator.push(point),
+                _ => self.start_with_one(&point, (scan, report), recorder),
             }
         }
         if let Some(rule) = self.pair_rule {
@@ -87,15 +90,20 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     pub(super) fn start_with_one(
         &mut self,
         point: &Point<K>,
-        report: &MeasurementModel,
+        (scan, report): (&Scan, &MeasurementModel),
         recorder: &mut dyn Recorder,
     ) {
         let (hypotheses, sigma_mps) = (
             &self.scratch.hypotheses,
             self.lifecycle.initial_speed_sigma_mps,
         );
-        let parts = hypotheses.parts(&self.filter, report, sigma_mps, point.detection as usize);
-        let belief = self.filter.begin_among(&point.state, &parts);
+        let detection = point.detection as usize;
+        let own = scan.own_of(detection);
+        let mut parts = hypotheses.parts(&self.filter, report, sigma_mps, (detection, &own));
+        for part in &mut parts {
+            *part = part.coasted::<K>(-own.after_s);
+        }
+        let belief = self.filter.begin_among(&point.in_scan(), &parts);
         let track = self.start(point, &belief, recorder);
         self.memory.push(track, belief);
     }
@@ -146,11 +154,11 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         }
         let wandered = self
             .filter
-            .rate_variance(pair.second.time_s - pair.first.time_s);
+            .rate_variance(pair.second.at_s() - pair.first.at_s());
         for rate in K / 2..K {
             pair.state.covariance[(rate, rate)] += wandered;
         }
-        let first = self.filter.begin(&pair.first.state);
+        let first = self.filter.begin(&pair.first.in_scan());
         let track = ActiveTrack {
             life,
             ..self.start(&pair.first, &first, recorder)
@@ -159,7 +167,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             state: pair.state,
             ..pair.second
         };
-        let belief = self.filter.begin(&pair.state);
+        let belief = self.filter.begin(&second.in_scan());
         self.record_start(&track, &second, &belief, recorder);
         self.memory.push(track, belief);
     }
@@ -178,7 +186,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             ..
         } = &mut self.scratch;
         kinematics.clear();
-        point.state.pack_into(kinematics);
+        point.in_scan().pack_into(kinematics);
         packed.clear();
         if self.lifecycle.smoothing.is_some() {
             F::pack(belief, packed);

@@ -120,7 +120,22 @@ pub(super) struct Point<const K: usize> {
     /// Its index in its scan.
     pub detection: u32,
     pub origin: Option<u32>,
+    /// How long after its scan the detection was made (s).
+    pub after_s: f64,
+    /// At the time of the detection.
     pub state: GaussianState<K>,
+}
+
+impl<const K: usize> Point<K> {
+    /// When the detection was made.
+    pub fn at_s(&self) -> f64 {
+        self.time_s + self.after_s
+    }
+
+    /// As it is at the time of its scan.
+    pub fn in_scan(&self) -> GaussianState<K> {
+        self.state.coasted::<K>(-self.after_s)
+    }
 }
 
 /// Two points that are a track.
@@ -128,7 +143,7 @@ pub(super) struct Point<const K: usize> {
 pub(super) struct Pair<const K: usize> {
     pub first: Point<K>,
     pub second: Point<K>,
-    /// State at the second point, without what the motion's noise adds.
+    /// State at the time of the second detection, without what the motion's noise adds.
     pub state: GaussianState<K>,
     /// Volume of the places within the first point's reach.
     pub log_reach_volume: f64,
@@ -250,12 +265,9 @@ impl<const K: usize> Initiator<K> {
             .iter()
             .map(|point| noise(&point.state))
             .fold(0.0, f64::max);
+        let latest_s = self.fresh.iter().map(Point::at_s).reduce(f64::max);
         for Waiting { point: first, .. } in &self.waiting[scan.sensor] {
-            let Some(dt_s) = self
-                .fresh
-                .first()
-                .map(|second| second.time_s - first.time_s)
-            else {
+            let Some(dt_s) = latest_s.map(|latest_s| latest_s - first.at_s()) else {
                 break;
             };
             // Noise along Δ is at most that of all coordinates together.
@@ -326,7 +338,8 @@ impl<const K: usize> Initiator<K> {
 
 impl PairRule {
     fn allows<const K: usize>(&self, first: &Point<K>, second: &Point<K>) -> bool {
-        !self.by_origin || (first.origin.is_some() && first.origin == second.origin)
+        let is_later = second.at_s() > first.at_s();
+        is_later && (!self.by_origin || first.origin.is_some() && first.origin == second.origin)
     }
 }
 
@@ -358,12 +371,12 @@ fn reach<const K: usize>(first: &Point<K>, second: &Point<K>, rule: &PairRule) -
     } else {
         0.0
     };
-    rule.max_speed_mps * (second.time_s - first.time_s) + (rule.gate_threshold * along).sqrt()
+    rule.max_speed_mps * (second.at_s() - first.at_s()) + (rule.gate_threshold * along).sqrt()
 }
 
 /// Step 3, without what the motion's noise adds.
 fn difference<const K: usize>(first: &Point<K>, second: &Point<K>) -> GaussianState<K> {
-    let (axes, dt_s) = (K / 2, second.time_s - first.time_s);
+    let (axes, dt_s) = (K / 2, second.at_s() - first.at_s());
     let mut state = second.state;
     for row in 0..axes {
         state.mean[row + axes] = (second.state.mean[row] - first.state.mean[row]) / dt_s;

@@ -237,11 +237,15 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             0.0
         };
         let index = hypotheses.track(row);
-        let edges = hypotheses.problem().rows()[row].edges();
-        hypotheses.weighted(edges.clone(), &weights.edges, weighted);
+        hypotheses.update(
+            row,
+            &weights.edges,
+            weighted,
+            &mut self.memory.beliefs[index],
+        );
         candidates.clear();
         let (mut detected, mut weighted_nis) = (0.0, 0.0);
-        for edge in edges {
+        for edge in hypotheses.problem().rows()[row].edges() {
             let weight = weights.edges[edge];
             if weight > 0.0 {
                 detected += weight;
@@ -262,7 +266,6 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let bit = 1 << scan.sensor.min(63);
         let finds_targets = self.memory.finders & bit != 0;
         let (track, belief) = self.memory.track_mut(index);
-        F::update(belief, hypotheses.loss(row), weighted);
         let was_confirmed = track.life.is_confirmed();
         let glance = Glance {
             time_s: scan.time_s,

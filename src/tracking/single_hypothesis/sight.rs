@@ -14,7 +14,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let sensor = &self.sensors[scan.sensor];
         let map = self.memory.maps[scan.sensor].as_ref();
         let hypotheses = &mut self.scratch.hypotheses;
-        hypotheses.begin_scan(&self.filter, report, &scan.detections, |ratios| {
+        hypotheses.begin_scan(&self.filter, report, scan, |ratios| {
             if let Some(sight) = &sensor.sight {
                 sight.clutter_ratios(scan, map, sensor.clutter_density, ratios);
             }

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Changes whenever older writing is not understood any more.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 #[derive(Serialize, Deserialize)]
 struct Written {
@@ -54,6 +54,8 @@ struct WrittenPoint {
     sensor: usize,
     detection: u32,
     origin: Option<u32>,
+    #[serde(with = "bits")]
+    after_s: f64,
     kinematics: Vec<u64>,
     missed: u32,
 }
@@ -195,6 +197,7 @@ fn write_point<const K: usize>(waiting: &Waiting<K>) -> WrittenPoint {
         sensor: point.sensor,
         detection: point.detection,
         origin: point.origin,
+        after_s: point.after_s,
         kinematics: bits::of(&values),
         missed: waiting.missed,
     }
@@ -208,6 +211,7 @@ fn read_point<const K: usize>(point: &WrittenPoint) -> Option<Waiting<K>> {
             sensor: point.sensor,
             detection: point.detection,
             origin: point.origin,
+            after_s: point.after_s,
             state: GaussianState::unpacked(&bits::values(&point.kinematics))?,
         },
         missed: point.missed,

@@ -68,6 +68,7 @@ fn quiet(times_s: &[f64]) -> Recording {
         time_s,
         sensor: 0,
         pose: None,
+        own: Vec::new(),
         detections: Vec::new(),
     };
     Recording::new(RecordingParts {

@@ -29,6 +29,7 @@ fn one_sensor_keeps_its_scan_numbers_and_empty_scans() {
         time_s,
         sensor: 0,
         pose: None,
+        own: Vec::new(),
         detections: detections.to_vec(),
     };
     let two = [position(1.0, 2.0, Some(1)), position(3.0, 4.0, None)];
@@ -59,6 +60,7 @@ fn several_sensors_are_sorted_and_their_scans_keep_their_numbers() {
         time_s,
         sensor,
         pose: None,
+        own: Vec::new(),
         detections: detections.to_vec(),
     };
     assert_eq!(

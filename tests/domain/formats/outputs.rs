@@ -258,6 +258,7 @@ fn recording() -> RecordingParts {
         time_s: f64::from(number),
         sensor,
         pose: None,
+        own: Vec::new(),
         detections,
     };
     let half_right = std::f64::consts::FRAC_PI_2;

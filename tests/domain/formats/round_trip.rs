@@ -148,6 +148,7 @@ fn assemble(
             time_s,
             sensor,
             pose: None,
+            own: Vec::new(),
             detections: Vec::new(),
         };
         for (nth, (measurement, origin, id, amplitude)) in detections.into_iter().enumerate() {

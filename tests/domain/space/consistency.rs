@@ -16,6 +16,7 @@ use trackloom_domain::model::angle::difference;
 use trackloom_domain::model::motion::Motion;
 use trackloom_domain::model::motion::constant_velocity::ConstantVelocity;
 use trackloom_domain::model::motion::in_space::ClimbingVelocity;
+use trackloom_domain::model::own::Own;
 use trackloom_domain::model::scan::Measurement;
 use trackloom_domain::model::sensing::{MeasurementModel, Site, Spherical};
 use trackloom_domain::model::space::Place;
@@ -40,7 +41,7 @@ impl<F: Filter<6>> WithCorrector<F, 6> for Nis<'_, F::Belief> {
 
     fn with<C: Corrector<F, 6, D>, const D: usize>(self, corrector: &C) -> f64 {
         let (expected, _) = corrector.expect(self.0).unwrap();
-        let report = corrector.read(self.1).unwrap();
+        let report = corrector.read(self.1, &Own::default()).unwrap();
         let innovation = difference(&report, &expected.measurement, C::ANGLE);
         expected.gaussian.squared_distance(&innovation)
     }

@@ -11,7 +11,7 @@ use trackloom_domain::filtering::unscented::Unscented;
 use trackloom_domain::filtering::{
     AnyFilter, Filter, Movement, PlaceFilter, Reports, Way, WithFilter,
 };
-use trackloom_domain::hypotheses::certain::update;
+use trackloom_domain::hypotheses::certain::update_own;
 use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::motion::constant_acceleration::ConstantAcceleration;
 use trackloom_domain::model::motion::constant_velocity::ConstantVelocity;
@@ -19,9 +19,10 @@ use trackloom_domain::model::motion::coordinated_turn::CoordinatedTurn;
 use trackloom_domain::model::motion::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use trackloom_domain::model::motion::singer::Singer;
 use trackloom_domain::model::motion::unknown_turn::UnknownTurn;
+use trackloom_domain::model::own::{Own, OwnNoise};
 use trackloom_domain::model::scan::Measurement;
 use trackloom_domain::model::sensing::{
-    Bearing, MeasurementModel, Platform, Polar, Site, Spherical,
+    Bearing, MeasurementModel, Moving, Platform, Polar, Site, Spherical, VelocityNoise,
 };
 use trackloom_domain::model::space::Place;
 use trackloom_domain::model::state::{GaussianState, Position};
@@ -79,6 +80,20 @@ fn updates(movement: &Movement) -> usize {
     told.and_then(|told| told.parse().ok()).unwrap_or(few)
 }
 
+/// A sensor of places and velocities.
+const MOVING: Moving = Moving {
+    sigmas_m: [10.0, 1.0, 30.0],
+    correlation_xy: 0.5,
+    is_in_volume: false,
+    clutter_span: None,
+    velocity: VelocityNoise {
+        sigma_speed_mps: 1.0,
+        sigma_course_rad: Some(0.02),
+        area_m2ps2: 900.0,
+    },
+    tells_velocity: true,
+};
+
 /// Sensors of the plane, of which each alone or two together observe it.
 fn of_the_plane() -> Vec<Vec<MeasurementModel>> {
     let polar = Polar {
@@ -106,6 +121,7 @@ fn of_the_plane() -> Vec<Vec<MeasurementModel>> {
     };
     vec![
         vec![position],
+        vec![MeasurementModel::Moving(MOVING)],
         vec![MeasurementModel::Polar(polar)],
         vec![MeasurementModel::Polar(with_rate)],
         vec![MeasurementModel::Converted(polar)],
@@ -131,8 +147,13 @@ fn of_space() -> Vec<Vec<MeasurementModel>> {
             ..full
         })
     };
+    let moving = Moving {
+        is_in_volume: true,
+        ..MOVING
+    };
     let mut sets = vec![
         vec![high],
+        vec![MeasurementModel::Moving(moving)],
         vec![MeasurementModel::Spherical(full)],
         vec![MeasurementModel::Spherical(Spherical {
             range_rate: None,
@@ -166,7 +187,8 @@ impl Long<'_> {
             let model = &self.models[at % self.models.len()];
             let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
             let report = report_of(model, time_s, errors);
-            let updated = update(filter, model, &report, &mut believed);
+            let own = own_of(model, time_s, errors);
+            let updated = update_own(filter, model, (&report, &own), &mut believed);
             assert!(
                 updated.is_some(),
                 "{model:?}: nothing is expected after {at}"
@@ -218,6 +240,23 @@ fn truth_at(time_s: f64) -> State6 {
     ])
 }
 
+/// Of a report of a velocity that, and of every fourth report also a noise and a time.
+fn own_of(model: &MeasurementModel, time_s: f64, errors: [f64; 4]) -> Own {
+    let velocity_mps = truth_at(time_s).fixed_rows::<2>(3).into_owned();
+    let told = [velocity_mps[0] + errors[2], velocity_mps[1] + errors[3]];
+    let is_other = errors[0] > 0.7;
+    Own {
+        after_s: if is_other { 0.4 * errors[1] } else { 0.0 },
+        noise: OwnNoise {
+            sigma_x_m: is_other.then_some(3.0),
+            correlation_xy: is_other.then_some(0.99),
+            sigma_range_m: is_other.then_some(50.0),
+            ..OwnNoise::default()
+        },
+        velocity_mps: matches!(model, MeasurementModel::Moving(_)).then_some(told),
+    }
+}
+
 fn report_of(model: &MeasurementModel, time_s: f64, errors: [f64; 4]) -> Measurement {
     let truth = truth_at(time_s);
     let place_m: Place = truth.fixed_rows::<3>(0).into();
@@ -242,11 +281,13 @@ fn report_of(model: &MeasurementModel, time_s: f64, errors: [f64; 4]) -> Measure
             x_m: place_m.x + 10.0 * errors[0],
             y_m: place_m.y + errors[1],
         },
-        MeasurementModel::Position3 { .. } => Measurement::Position3 {
-            x_m: place_m.x + 10.0 * errors[0],
-            y_m: place_m.y + 20.0 * errors[1],
-            z_m: place_m.z + 30.0 * errors[2],
-        },
+        MeasurementModel::Position3 { .. } | MeasurementModel::Moving(_) => {
+            Measurement::Position3 {
+                x_m: place_m.x + 10.0 * errors[0],
+                y_m: place_m.y + 20.0 * errors[1],
+                z_m: place_m.z + 30.0 * errors[2],
+            }
+        }
         MeasurementModel::Polar(polar) | MeasurementModel::Converted(polar) => {
             let (range_m, bearing_rad, _, range_rate_mps) = polar_of(polar.place_m.push(0.0), true);
             Measurement::RangeBearing {

@@ -2,6 +2,7 @@
 
 use super::{FAR, SITES, State6, belief, radar, site_of, turned};
 use nalgebra::{Matrix3, SMatrix, SVector};
+use trackloom_domain::model::own::Own;
 use trackloom_domain::model::scan::Measurement;
 use trackloom_domain::model::sensing::{
     Bearing, Directions, Dispatch, MeasurementModel, Places, Platform, Polar, Ranges, Sensing,
@@ -336,6 +337,7 @@ fn clutter_is_stated_over_space_or_over_the_ground() {
     near(Ranges(flat).log_clutter_scale(&polar).exp(), 1000.0, 1e-12);
     let places = Places::Measured {
         sigmas_m: [1.0; 3],
+        correlation_xy: 0.0,
         clutter_span: Some(50.0),
     };
     near(
@@ -357,7 +359,7 @@ fn a_report_of_space_starts_a_track_and_one_of_the_plane_does_not() {
     impl WithSensing<6> for Start {
         type Output = Option<GaussianState<6>>;
         fn with<S: Sensing<6, D>, const D: usize>(self, sensing: &S) -> Self::Output {
-            sensing.locate(&sensing.read(&self.0)?, 100.0)
+            sensing.locate(&sensing.read(&self.0, &Own::default())?, 100.0)
         }
     }
     let seen = Measurement::RangeBearingElevation {

@@ -29,6 +29,7 @@ fn recorded(scans: &[&[(Measurement, Option<u32>)]]) -> Recording {
             time_s: f64::from(number),
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections: seen.iter().map(detection).collect(),
         });
         for place in 0..seen.len() {

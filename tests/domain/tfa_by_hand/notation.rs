@@ -76,6 +76,7 @@ pub fn recording(truth: &[&str], clutter: &[&str]) -> Recording {
             time_s: 8.0 * f64::from(number),
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections,
         });
     }

@@ -76,6 +76,7 @@ fn scene(speeds_mps: &[f64], clutter: usize, shore: usize) -> Recording {
             time_s,
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections: places.iter().map(detection).collect(),
         });
     }

@@ -103,7 +103,9 @@ fn plan_of(
             };
             MapArea::Polar(limits.limits())
         }
-        MeasurementModel::Position { .. } | MeasurementModel::Position3 { .. } => {
+        MeasurementModel::Position { .. }
+        | MeasurementModel::Position3 { .. }
+        | MeasurementModel::Moving(_) => {
             let (low_m, high_m) = corners(recording, index, settings)?;
             MapArea::Plane { low_m, high_m }
         }

@@ -23,6 +23,7 @@ fn recording(measurements: &[Measurement]) -> Recording {
             time_s: 0.0,
             sensor: 0,
             pose: None,
+            own: Vec::new(),
             detections,
         }],
         detection_ids: (0..measurements.len())

@@ -1,5 +1,6 @@
 //! Where the columns of detections are.
 
+use super::own::OwnColumns;
 use super::poses::PoseColumns;
 use crate::formats::table::header::Header;
 
@@ -22,6 +23,7 @@ pub(super) struct Columns {
     pub truth: Option<usize>,
     pub z: Option<usize>,
     pub height: Option<usize>,
+    pub own: OwnColumns,
     pub pose: PoseColumns,
     pub attributes: Vec<(&'static str, usize)>,
 }
@@ -49,6 +51,7 @@ impl Columns {
             truth: header.find("truth_id"),
             z: header.find("z_m"),
             height: header.find("height_m"),
+            own: OwnColumns::from_header(header),
             pose: PoseColumns::from_header(header),
             attributes: header.attributes(),
         }

@@ -10,6 +10,7 @@ use crate::geodesy::Stereographic;
 use crate::model::beside::Beside;
 use crate::model::fault::Fault;
 use crate::model::names::natural_order;
+use crate::model::own::{Own, whole};
 use crate::model::pose::Pose;
 use crate::model::scan::{Measurement, Recording, RecordingParts, Scan, mean_time_s};
 use crate::model::sensor::SensorSettings;
@@ -322,6 +323,7 @@ fn assemble(
             time_s: group.time_s,
             sensor: sensor_place[group.sensor as usize] as usize,
             pose: pose_of(&builder, group, order),
+            own: Vec::with_capacity(kept.len() - from),
             detections: Vec::with_capacity(kept.len() - from),
         };
         for &row in &kept[from..] {
@@ -340,11 +342,16 @@ fn assemble(
                 (*x_m, *y_m) = (place_m.x, place_m.y);
             }
             has_own_times |= builder.found[row].time_s != group.time_s;
+            scan.own.push(Own {
+                after_s: builder.found[row].time_s - group.time_s,
+                ..builder.found[row].own
+            });
             scan.detections.push(detection);
             parts
                 .detection_ids
                 .push(std::mem::take(&mut builder.ids[row]));
         }
+        scan.own = whole(scan.own);
         parts.scans.push(scan);
     }
     parts.beside = beside(builder, &kept, columns, has_own_times);

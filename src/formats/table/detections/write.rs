@@ -1,10 +1,12 @@
 //! Detections as rows, with the columns that their recording needs.
 
+use super::own::OwnLayout;
 use super::poses::PoseLayout;
 use crate::formats::table::Sink;
 use crate::formats::table::degrees::degrees;
 use crate::formats::table::estimate::rounded_deg;
 use crate::geodesy::Stereographic;
+use crate::model::own::Own;
 use crate::model::scan::{Detection, Measurement, Recording, Scan};
 use crate::model::state::Position;
 use std::io;
@@ -16,6 +18,7 @@ use std::io;
 pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     let layout = Layout::for_recording(recording);
     let mut columns = layout.columns();
+    columns.extend(layout.own.columns());
     columns.extend(layout.pose.columns());
     columns.extend(recording.beside.attributes.keys());
     sink.begin(&columns)?;
@@ -23,11 +26,23 @@ pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     for (first, scan) in recording.scans_with_firsts() {
         if scan.detections.is_empty() {
             write_row(recording, scan, None, layout, sink)?;
-            write_beside((recording, scan, plane.as_ref()), None, layout, sink)?;
+            let nothing = Own::default();
+            write_beside(
+                (recording, scan, plane.as_ref()),
+                (None, &nothing),
+                layout,
+                sink,
+            )?;
         }
-        for found in (first..).zip(&scan.detections) {
-            write_row(recording, scan, Some(found), layout, sink)?;
-            write_beside((recording, scan, plane.as_ref()), Some(found), layout, sink)?;
+        for (index, detection) in scan.detections.iter().enumerate() {
+            let (found, own) = (Some((first + index, detection)), scan.own_of(index));
+            write_row(recording, scan, found, layout, sink)?;
+            write_beside(
+                (recording, scan, plane.as_ref()),
+                (found, &own),
+                layout,
+                sink,
+            )?;
         }
     }
     Ok(())
@@ -47,6 +62,7 @@ struct Layout {
     /// Latitude and longitude.
     earth: bool,
     height: bool,
+    own: OwnLayout,
     pose: PoseLayout,
 }
 
@@ -76,6 +92,7 @@ impl Layout {
             z: has(|measurement| measurement.z_m().is_some()),
             earth: recording.frame.is_some(),
             height: !recording.beside.heights_m.is_empty(),
+            own: OwnLayout::for_recording(recording),
             pose: PoseLayout::for_recording(recording),
         }
     }
@@ -184,7 +201,7 @@ fn polar_of(measurement: &Measurement) -> (Option<f64>, Option<f64>, Option<f64>
 /// Where it is on the Earth, how high, where its sensor is, and its attributes; ends the row.
 fn write_beside(
     (recording, scan, plane): (&Recording, &Scan, Option<&Stereographic>),
-    found: Option<(usize, &Detection)>,
+    (found, own): (Option<(usize, &Detection)>, &Own),
     layout: Layout,
     sink: &mut dyn Sink,
 ) -> io::Result<()> {
@@ -201,6 +218,7 @@ fn write_beside(
         let height_m = found.and_then(|(index, _)| beside.heights_m.get(index).copied());
         sink.number(height_m.flatten())?;
     }
+    layout.own.write(own, sink)?;
     layout.pose.write(scan.pose.as_ref(), sink)?;
     for labels in beside.attributes.values() {
         sink.text(found.and_then(|(index, _)| labels.get(index)))?;

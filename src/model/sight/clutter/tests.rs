@@ -21,6 +21,7 @@ fn scan_of(places: &[[f64; 2]]) -> Scan {
         time_s: 0.0,
         sensor: 0,
         pose: None,
+        own: Vec::new(),
         detections: places.iter().map(detection).collect(),
     }
 }

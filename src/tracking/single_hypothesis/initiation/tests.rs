@@ -24,6 +24,7 @@ fn point(time_s: f64, [x, y]: [f64; 2], [xx, xy, yy]: [f64; 3]) -> Point<4> {
         covariance,
     };
     Point {
+        after_s: 0.0,
         scan_index: time_s as u32,
         time_s,
         sensor: 0,
@@ -43,6 +44,7 @@ fn end_scan(initiator: &mut Initiator<4>, sensor: usize, rule: &PairRule) {
         time_s: 0.0,
         sensor,
         pose: None,
+        own: Vec::new(),
         detections: Vec::new(),
     };
     initiator.pair(&scan, rule, &Watch::never()).unwrap();
