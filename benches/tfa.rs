@@ -237,6 +237,7 @@ fn point(scan: usize, first_candidate: u32, is_seen: bool) -> TrackPoint {
         estimate,
         nis: None,
         status,
+        known_at_s: None,
         mode_row: None,
         first_candidate,
         candidates: 1,

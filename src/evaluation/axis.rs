@@ -227,6 +227,7 @@ mod tests {
             estimate,
             status: None,
             nis: None,
+            known_at_s: None,
             mode_row: None,
             first_candidate: 0,
             candidates: 0,

@@ -47,6 +47,7 @@ pub fn tracks_of(tracks: &[Places]) -> TrackSet {
         estimate: place(x_m, 0.0),
         status: None,
         nis: None,
+        known_at_s: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -220,6 +220,16 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         F::update(belief, &F::mean_loss(&losses, weighted), weighted);
     }
 
+    /// Updates a belief of a row's track as if the detection of this edge were certainly its.
+    pub fn take(&self, row: usize, edge: usize, belief: &mut F::Belief) {
+        let certain = Weighted {
+            change: self.changes[edge],
+            weight: 1.0,
+        };
+        let loss = self.losses.get(edge).unwrap_or(&self.rows[row].1);
+        F::update(belief, loss, &[certain]);
+    }
+
     /// Writes the changes of edges that have a weight.
     #[inline]
     fn weigh(&self, edges: Range<usize>, weights: &[f64], weighted: &mut Vec<Weighted<F::Change>>) {

@@ -1,4 +1,4 @@
-//! Tools: optimal assignment, fuzzy clustering, Gaussian distances and likelihoods, intervals of means, and named
+//! Tools: optimal assignment, fuzzy clustering, set packing, Gaussian distances and likelihoods, intervals of means, and named
 //! streams of random numbers.
 
 pub mod assignment;
@@ -6,4 +6,5 @@ pub mod fuzzy_c_means;
 pub mod gaussian;
 pub mod rng;
 pub mod semidefinite;
+pub mod set_packing;
 pub mod stats;

@@ -143,6 +143,8 @@ pub struct TrackPoint {
     /// Normalised innovation squared of the update at this scan, the mean over its detections by their weights; `None` where
     /// there was no detection, or one that started the track.
     pub nis: Option<f64>,
+    /// When the tracker knew of the point, where that is later than its time: tracks may begin in the past.
+    pub known_at_s: Option<f64>,
     /// Of [`TrackSet::modes`]: how probable each motion model was, where the tracker had several.
     pub mode_row: Option<ModeRow>,
     pub first_candidate: u32,

@@ -283,6 +283,7 @@ fn track(
             estimate: Kinematics::of_plane(&state, true, Some(&covariance)),
             status: None,
             nis: None,
+            known_at_s: None,
             mode_row: None,
             first_candidate: 0,
             candidates: 0,

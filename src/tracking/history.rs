@@ -22,6 +22,7 @@ struct Entry {
     candidates: u32,
     /// NaN where there is none.
     nis: f64,
+    known_at_s: f64,
 }
 
 /// Entries of a piece of a long history: some megabytes.
@@ -77,6 +78,7 @@ impl Recorder for History {
                 status: point.status,
                 candidates: point.candidates.len() as u32,
                 nis: point.nis.unwrap_or(f64::NAN),
+                known_at_s: point.known_at_s,
             });
         }
     }
@@ -239,6 +241,7 @@ fn point(
         estimate,
         status: Some(entry.status),
         nis: Some(entry.nis).filter(|nis| !nis.is_nan()),
+        known_at_s: (entry.known_at_s > scan.time_s).then_some(entry.known_at_s),
         mode_row: None,
         first_candidate: first_candidate as u32,
         candidates: entry.candidates,

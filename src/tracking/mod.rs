@@ -25,6 +25,7 @@ pub use recorder::Recorder;
 pub use single_hypothesis::confirmation::{Confirmation, ScoreRule};
 pub use single_hypothesis::initiation::Initiation;
 pub use single_hypothesis::lifecycle::{LIFECYCLE, Lifecycle};
+pub use single_hypothesis::multi_scan::MultiScan;
 pub use smoothing::Smoothing;
 
 /// A multi-target tracker. Feed it scans in order of time.
@@ -64,6 +65,9 @@ pub trait Tracker: Send {
 
     /// The map of clutter of each sensor that learns one.
     fn clutter_maps(&self) -> &[Option<ClutterMap>];
+
+    /// What a user should know of how it went.
+    fn warnings(&self) -> Vec<String>;
 
     /// What the associator says of all it did so far.
     fn diagnostics(&self) -> Option<serde_json::Value>;

@@ -32,6 +32,8 @@ pub struct RecordedPoint<'a> {
     /// How many scans the tracker had taken before this one.
     pub scan_index: u32,
     pub time_s: f64,
+    /// When the tracker knew of it: later than its time where a track begins in the past.
+    pub known_at_s: f64,
     /// Index of its sensor.
     pub sensor: usize,
     pub status: TrackStatus,

@@ -21,6 +21,7 @@ fn node(name: &str, points: &[(f64, [f64; 4])], estimate: impl Fn(State) -> Kine
         estimate: estimate(State::from(state)),
         status: None,
         nis: None,
+        known_at_s: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

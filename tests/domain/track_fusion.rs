@@ -247,6 +247,7 @@ fn the_recursion_finds_what_two_filters_have_in_common() {
         estimate: Kinematics::of_plane(&State::zeros(), true, Some(&covariance)),
         status: None,
         nis: None,
+        known_at_s: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -105,6 +105,7 @@ fn point(
         estimate: Kinematics::of_plane(&state.mean, has_velocity, Some(&state.covariance)),
         status: None,
         nis: None,
+        known_at_s: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -71,7 +71,11 @@ fn check_directions(draft: &mut Draft, lifecycle: &Lifecycle) {
         draft.add([Fault::new(pointer, "unsupported", detail).allowing(allowed)]);
     };
     if let Initiation::TwoPoint { .. } = lifecycle.initiation {
-        refuse("/tracker/initiation/method", "speeds", "one_point, truth");
+        refuse(
+            "/tracker/initiation/method",
+            "speeds",
+            "one_point, multi_scan, truth",
+        );
     }
     if lifecycle.max_position_sigma_m.is_some() {
         refuse("/tracker/max_position_sigma_m", "positions", "no value");
@@ -85,8 +89,8 @@ fn check_without_gate(draft: &mut Draft, lifecycle: &Lifecycle) {
         draft
             .add([Fault::new("/associator/clutter", "unsupported", detail).allowing("parametric")]);
     }
-    if let Initiation::TwoPoint { .. } = lifecycle.initiation {
-        let detail = "two points are paired within a gate, and gate_probability 1 is no gate";
+    if let Initiation::TwoPoint { .. } | Initiation::MultiScan(_) = lifecycle.initiation {
+        let detail = "points are put together within a gate, and gate_probability 1 is no gate";
         draft.add([
             Fault::new("/tracker/initiation/method", "unsupported", detail)
                 .allowing("one_point, truth"),

@@ -52,6 +52,8 @@ pub struct Tracked {
     pub estimates: Vec<Estimate>,
     /// Maps of clutter at the end.
     maps: Vec<Option<ClutterMap>>,
+    /// What the tracker tells of how it went.
+    told: Vec<String>,
     /// How long the associator took, where that was asked for.
     pub association_time: Option<AssociationTime>,
     /// What the associator wrote down step by step.
@@ -170,6 +172,7 @@ fn track_with(
         &sensors,
     ));
     warnings.extend(maneuver_index::warning(&resolved, filter));
+    warnings.extend(std::mem::take(&mut tracked.told));
     warnings.extend(no_tracks::warning(&tracked, &resolved, &lifecycle, filter));
     // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
     if !scenario.is_some_and(has_local_clutter) {
@@ -261,6 +264,7 @@ impl<'a> TrackerRun<'a> {
             dimensions,
         };
         let maps = tracker.clutter_maps().to_vec();
+        let told = tracker.warnings();
         let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
         let association_time = if is_timed {
             time_association(tracker.as_mut(), recording.scans.len(), observer)
@@ -280,6 +284,7 @@ impl<'a> TrackerRun<'a> {
             clutter: None,
             estimates: Vec::new(),
             maps,
+            told,
             association_time,
             trace,
             taken: Taken::default(),

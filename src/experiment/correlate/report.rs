@@ -336,6 +336,7 @@ fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
         for track in &node.tracks.tracks {
             let bare = track.points.iter().map(|point| TrackPoint {
                 sensor: Some(sensor as u32),
+                known_at_s: None,
                 mode_row: None,
                 first_candidate: 0,
                 candidates: 0,

@@ -337,6 +337,7 @@ mod tests {
             estimate: Kinematics::of_plane(&State::zeros(), false, None),
             status: None,
             nis: None,
+            known_at_s: None,
             mode_row: None,
             first_candidate: 0,
             candidates: 0,

@@ -200,7 +200,9 @@ impl<'de> Deserialize<'de> for TrackerSpec {
         let value = Value::deserialize(deserializer)?;
         let lifecycle = Lifecycle::deserialize(&value).map_err(D::Error::custom)?;
         let leaves_speed_open = match lifecycle.initiation {
-            Initiation::OnePoint => value.get("initial_speed_sigma_mps").is_none(),
+            Initiation::OnePoint | Initiation::MultiScan(_) => {
+                value.get("initial_speed_sigma_mps").is_none()
+            }
             Initiation::TwoPoint { .. } => value.pointer("/initiation/max_speed_mps").is_none(),
             Initiation::Truth { .. } => false,
         };

@@ -69,10 +69,12 @@ fn drop_superseded(feed: &mut Feed, order: Vec<usize>, scans: &[i64]) -> Vec<usi
 fn sensors_of(feed: &mut Feed, ground: &Ground, manner: &Manner) -> Vec<SensorSettings> {
     let names = std::mem::take(&mut feed.sensors).into_names();
     let mut polar = vec![false; names.len()];
+    let mut moves = vec![false; names.len()];
     let mut sigmas_m: Vec<Option<f64>> = vec![None; names.len()];
     for report in &feed.reports {
         let sensor = report.sensor as usize;
         polar[sensor] |= matches!(report.spot, Spot::Polar { .. });
+        moves[sensor] |= report.motion.is_some();
         // The noise of a sensor is that of its worst report.
         let sigma_m = report.sigma_m.unwrap_or(manner.sigma_m);
         sigmas_m[sensor] = Some(sigmas_m[sensor].map_or(sigma_m, |known| known.max(sigma_m)));
@@ -95,6 +97,8 @@ fn sensors_of(feed: &mut Feed, ground: &Ground, manner: &Manner) -> Vec<SensorSe
             settings.sigma_bearing_deg = Some(RADAR_SIGMAS.1);
         } else {
             (settings.sigma_x_m, settings.sigma_y_m) = (sigmas_m[sensor], sigmas_m[sensor]);
+            settings.sigma_speed_mps = moves[sensor].then_some(manner.sigma_speed_mps);
+            settings.sigma_course_deg = manner.sigma_course_deg.filter(|_| moves[sensor]);
         }
         sensors.push(settings);
     }
@@ -145,7 +149,7 @@ fn fill_scans(
             let Some(measurement) = measure(report, ground) else {
                 continue;
             };
-            scan.own.push(own_of(report, time_s));
+            scan.own.push(own_of(report, time_s, ground));
             scan.detections.push(Detection {
                 measurement,
                 origin: report.identity.map(|identity| numbers[identity as usize]),
@@ -163,13 +167,10 @@ fn fill_scans(
 }
 
 /// Its time in the scan, how well its place is known, and its velocity, as far as it says them.
-fn own_of(report: &super::Report, scan_s: f64) -> Own {
+fn own_of(report: &super::Report, scan_s: f64, ground: &Ground) -> Own {
     let is_placed = !matches!(report.spot, super::Spot::Polar { .. });
     let sigma_m = report.sigma_m.filter(|sigma_m| *sigma_m > 0.0 && is_placed);
-    let velocity = |motion: super::Motion| {
-        let (east, north) = motion.course_rad.sin_cos();
-        [motion.speed_mps * east, motion.speed_mps * north]
-    };
+    let velocity_mps = ground.velocity(report).filter(|_| is_placed);
     Own {
         after_s: report.time_s - scan_s,
         noise: OwnNoise {
@@ -177,7 +178,7 @@ fn own_of(report: &super::Report, scan_s: f64) -> Own {
             sigma_y_m: sigma_m,
             ..OwnNoise::default()
         },
-        velocity_mps: report.motion.filter(|_| is_placed).map(velocity),
+        velocity_mps: velocity_mps.map(|velocity_mps| [velocity_mps.x, velocity_mps.y]),
     }
 }
 

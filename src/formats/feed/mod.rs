@@ -121,6 +121,9 @@ pub struct Manner {
     pub path_gap_s: f64,
     /// Standard deviation of positions whose report does not say it (m).
     pub sigma_m: f64,
+    /// Of velocities: of speeds, and of courses where they are told apart.
+    pub sigma_speed_mps: f64,
+    pub sigma_course_deg: Option<f64>,
     /// Whether another callsign is another path.
     pub splits_by_callsign: bool,
 }
@@ -133,6 +136,8 @@ impl Manner {
         max_speed_mps: 60.0,
         path_gap_s: 600.0,
         sigma_m: 15.0,
+        sigma_speed_mps: 0.5,
+        sigma_course_deg: Some(5.0),
         splits_by_callsign: false,
     };
     /// Of what aircraft send.
@@ -142,6 +147,8 @@ impl Manner {
         max_speed_mps: 1000.0,
         path_gap_s: 600.0,
         sigma_m: 50.0,
+        sigma_speed_mps: 1.5,
+        sigma_course_deg: None,
         splits_by_callsign: true,
     };
 }

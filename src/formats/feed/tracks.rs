@@ -68,6 +68,7 @@ fn point(feed: &Feed, index: usize, ground: &mut Ground) -> Option<TrackPoint> {
         height_m: report.height_m,
         status: report.status,
         nis: None,
+        known_at_s: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -33,6 +33,7 @@ struct Columns {
     probability: Option<usize>,
     status: Option<usize>,
     nis: Option<usize>,
+    known: Option<usize>,
     /// As many as there are without a gap.
     modes: Vec<usize>,
     attributes: Vec<(&'static str, usize)>,
@@ -49,6 +50,7 @@ impl Columns {
             probability: header.find("probability"),
             status: header.find("status"),
             nis: header.find("nis"),
+            known: header.find("known_at_s"),
             modes: MODE_COLUMNS
                 .iter()
                 .map_while(|name| header.find(name))
@@ -358,6 +360,7 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
         height_m,
         status,
         nis,
+        known_at_s: reader.optional_number(columns.known),
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -53,24 +53,13 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             self.start_at_crossings(scan, bearing, recorder)?;
             return Ok(unused);
         }
-        for (index, detection) in scan.detections.iter().enumerate() {
-            let (hypotheses, sigma_mps) = (
-                &self.scratch.hypotheses,
-                self.lifecycle.initial_speed_sigma_mps,
-            );
-            let own = scan.own_of(index);
-            let Some(state) = hypotheses.locate(&self.filter, report, sigma_mps, (index, &own))
-            else {
+        if let Initiation::MultiScan(rule) = self.lifecycle.initiation {
+            self.begin_over_scans(&rule, (scan, report), recorder, watch)?;
+            return Ok(unused);
+        }
+        for index in 0..scan.detections.len() {
+            let Some(point) = self.point_of(scan, report, index) else {
                 continue;
-            };
-            let point = Point {
-                scan_index: self.memory.scans,
-                time_s: scan.time_s,
-                sensor: scan.sensor,
-                detection: index as u32,
-                origin: detection.origin,
-                after_s: own.after_s,
-                state,
             };
             match self.pair_rule {
                 Some(_) if !report.starts_alone() => self.memory.initiator.push(point),
@@ -87,31 +76,58 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         Ok(unused)
     }
 
+    /// A detection that no track used and that tells where its target is.
+    pub(super) fn point_of(
+        &self,
+        scan: &Scan,
+        report: &MeasurementModel,
+        index: usize,
+    ) -> Option<Point<K>> {
+        let sigma_mps = self.lifecycle.initial_speed_sigma_mps;
+        let (hypotheses, own) = (&self.scratch.hypotheses, scan.own_of(index));
+        Some(Point {
+            scan_index: self.memory.scans,
+            time_s: scan.time_s,
+            sensor: scan.sensor,
+            detection: index as u32,
+            origin: scan.detections[index].origin,
+            after_s: own.after_s,
+            state: hypotheses.locate(&self.filter, report, sigma_mps, (index, &own))?,
+        })
+    }
+
+    /// What is believed of a target of which a detection alone is known.
+    pub(super) fn belief_of(
+        &self,
+        point: &Point<K>,
+        (scan, report): (&Scan, &MeasurementModel),
+    ) -> F::Belief {
+        let sigma_mps = self.lifecycle.initial_speed_sigma_mps;
+        let detection = point.detection as usize;
+        let own = scan.own_of(detection);
+        let hypotheses = &self.scratch.hypotheses;
+        let mut parts = hypotheses.parts(&self.filter, report, sigma_mps, (detection, &own));
+        for part in &mut parts {
+            *part = part.coasted::<K>(-own.after_s);
+        }
+        self.filter.begin_among(&point.in_scan(), &parts)
+    }
+
     pub(super) fn start_with_one(
         &mut self,
         point: &Point<K>,
         (scan, report): (&Scan, &MeasurementModel),
         recorder: &mut dyn Recorder,
     ) {
-        let (hypotheses, sigma_mps) = (
-            &self.scratch.hypotheses,
-            self.lifecycle.initial_speed_sigma_mps,
-        );
-        let detection = point.detection as usize;
-        let own = scan.own_of(detection);
-        let mut parts = hypotheses.parts(&self.filter, report, sigma_mps, (detection, &own));
-        for part in &mut parts {
-            *part = part.coasted::<K>(-own.after_s);
-        }
-        let belief = self.filter.begin_among(&point.in_scan(), &parts);
-        let track = self.start(point, &belief, recorder);
+        let belief = self.belief_of(point, (scan, report));
+        let track = self.start((point, point.time_s), &belief, recorder);
         self.memory.push(track, belief);
     }
 
     /// A new track, with its first point told.
     fn start(
         &mut self,
-        point: &Point<K>,
+        (point, known_at_s): (&Point<K>, f64),
         belief: &F::Belief,
         recorder: &mut dyn Recorder,
     ) -> ActiveTrack {
@@ -122,7 +138,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 .start(&Glance::first(point.time_s, point.sensor)),
             origin: point.origin,
         };
-        self.record_start(&track, point, belief, recorder);
+        self.record_start((&track, known_at_s), point, belief, recorder);
         track
     }
 
@@ -161,21 +177,21 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let first = self.filter.begin(&pair.first.in_scan());
         let track = ActiveTrack {
             life,
-            ..self.start(&pair.first, &first, recorder)
+            ..self.start((&pair.first, scan.time_s), &first, recorder)
         };
         let second = Point {
             state: pair.state,
             ..pair.second
         };
         let belief = self.filter.begin(&second.in_scan());
-        self.record_start(&track, &second, &belief, recorder);
+        self.record_start((&track, scan.time_s), &second, &belief, recorder);
         self.memory.push(track, belief);
     }
 
     /// Tells the recorder of a track that a detection started, alone or as the second of two.
     fn record_start(
         &mut self,
-        track: &ActiveTrack,
+        (track, known_at_s): (&ActiveTrack, f64),
         point: &Point<K>,
         belief: &F::Belief,
         recorder: &mut dyn Recorder,
@@ -195,6 +211,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             serial: track.serial,
             scan_index: point.scan_index,
             time_s: point.time_s,
+            known_at_s,
             sensor: point.sensor,
             status: track.life.status(),
             kinematics,

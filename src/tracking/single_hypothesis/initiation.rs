@@ -1,5 +1,5 @@
 //! How tracks begin. One point: every detection that no track used is a track at rest. Two points: such a detection waits
-//! for the next scan of its sensor, and the two together are a track with a speed. Truth: the tracker was given its tracks
+//! for the next scan of its sensor, and the two together are a track with a speed. Several scans: [`super::multi_scan`]. Truth: the tracker was given its tracks
 //! before the first scan, and no detection starts another one.
 //!
 //! # Reference
@@ -19,6 +19,7 @@
 //! The first points are those of the sensor's last `max_wait_scans` scans that have no partner yet, each with a reach of its own
 //! T; what is new and alone waits in its turn. Ranges and bearings are turned into places for this; range rates are left to the first update.
 
+use super::multi_scan::MultiScan;
 use crate::association::Associator;
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
@@ -41,6 +42,7 @@ pub enum Initiation {
         max_speed_mps: f64,
         max_wait_scans: u32,
     },
+    MultiScan(MultiScan),
     /// The sigmas are of the rates of the given tracks, which others make.
     Truth {
         speed_sigma_mps: f64,
@@ -77,6 +79,42 @@ static TWO_POINT: Object = Object {
     ],
 };
 
+static MULTI_SCAN: Object = Object {
+    name: "MultiScanInitiation",
+    summary: "The unused detections of a sensor that follow each other best over a window of its scans start a track, chosen together; it is known when the window ends, with its points since the first detection.",
+    fields: &[
+        optional(
+            "max_speed_mps",
+            "Highest speed of a target between its first two detections, noise allowed for; 2.5 times initial_speed_sigma_mps when absent.",
+            above(0.0, 1e5, "m/s"),
+        ),
+        default(
+            "window_scans",
+            "Scans of a sensor, the one of the first detection counted, after which it is decided whether a track begins with that.",
+            whole(2, 10, "scans"),
+            "5",
+        ),
+        default(
+            "min_detections",
+            "How many detections within the window a beginning needs at least.",
+            whole(2, 10, ""),
+            "3",
+        ),
+        default(
+            "max_gap_scans",
+            "How many scans in a row may miss it.",
+            whole(0, 8, "scans"),
+            "2",
+        ),
+        default(
+            "max_nodes",
+            "How many ways from detection to detection of a sensor are kept at once; the least likely of each first detection go first, which is told.",
+            whole(100, 1_000_000, ""),
+            "20000",
+        ),
+    ],
+};
+
 static TRUTH: Object = Object {
     name: "TruthInitiation",
     summary: "Tracks begin at the truth of the first scan, with noise; nothing else begins a track and these never end: for comparing associators alone. A track is called like its target. It needs truth with the input.",
@@ -104,6 +142,7 @@ pub(super) static INITIATION: Union = Union {
         vec![
             variant("one_point", &ONE_POINT),
             variant("two_point", &TWO_POINT),
+            variant("multi_scan", &MULTI_SCAN),
             variant("truth", &TRUTH),
         ]
     },
@@ -355,8 +394,17 @@ fn squared_distance<const K: usize>(first: &Point<K>, second: &Point<K>) -> f64 
         .sum()
 }
 
-/// `max_speed_mps` T + √(γ σ²).
 fn reach<const K: usize>(first: &Point<K>, second: &Point<K>, rule: &PairRule) -> f64 {
+    reach_m(first, second, rule.max_speed_mps, rule.gate_threshold).1
+}
+
+/// |Δ|, and `max_speed_mps` T + √(γ σ²).
+pub(super) fn reach_m<const K: usize>(
+    first: &Point<K>,
+    second: &Point<K>,
+    max_speed_mps: f64,
+    gate_threshold: f64,
+) -> (f64, f64) {
     let delta = second.state.mean - first.state.mean;
     let covariance = first.state.covariance + second.state.covariance;
     let mut variance = 0.0;
@@ -371,7 +419,8 @@ fn reach<const K: usize>(first: &Point<K>, second: &Point<K>, rule: &PairRule) -
     } else {
         0.0
     };
-    rule.max_speed_mps * (second.at_s() - first.at_s()) + (rule.gate_threshold * along).sqrt()
+    let moved_m = max_speed_mps * (second.at_s() - first.at_s());
+    (squared.sqrt(), moved_m + (gate_threshold * along).sqrt())
 }
 
 /// Step 3, without what the motion's noise adds.

@@ -10,6 +10,7 @@ mod initiate;
 pub mod initiation;
 pub mod lifecycle;
 mod members;
+pub mod multi_scan;
 mod scratch;
 mod sight;
 mod written;
@@ -31,8 +32,9 @@ use crate::model::watch::{Halt, Watch};
 use crate::registry::Method;
 use crossing::Ray;
 use initiate::pair_rule;
-use initiation::{Initiator, PairRule};
+use initiation::{Initiation, Initiator, PairRule};
 use lifecycle::{Glance, LIFECYCLE, Lifecycle, TrackLifecycleState};
+use multi_scan::Beginnings;
 use scratch::Scratch;
 use sight::{highest_p_d, new_map};
 
@@ -74,6 +76,7 @@ struct Memory<B, const K: usize> {
     /// Scans taken.
     scans: u32,
     initiator: Initiator<K>,
+    beginnings: Beginnings<B, K>,
     /// Bearings that no track used, of the last scan of each sensor.
     rays: Vec<Vec<Ray>>,
     nis: Nis,
@@ -138,6 +141,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 last_time_s: None,
                 scans: 0,
                 initiator: Initiator::default(),
+                beginnings: Beginnings::default(),
                 rays: Vec::new(),
                 nis: Nis::default(),
                 finders: 0,
@@ -327,6 +331,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             serial: track.serial,
             scan_index: self.memory.scans,
             time_s: scan.time_s,
+            known_at_s: scan.time_s,
             sensor: scan.sensor,
             status: track.life.status(),
             kinematics,
@@ -415,6 +420,16 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
             }
         };
         tracks.iter().zip(beliefs).map(estimate).collect()
+    }
+
+    fn finish(&mut self, recorder: &mut dyn Recorder) {
+        if let Initiation::MultiScan(rule) = self.lifecycle.initiation {
+            self.decide_rest(&rule, recorder);
+        }
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.memory.beginnings.warnings()
     }
 
     fn fork(&self) -> Box<dyn Tracker> {

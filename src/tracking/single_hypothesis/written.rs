@@ -3,6 +3,7 @@
 use super::crossing::Ray;
 use super::initiation::{Initiator, Point, Waiting};
 use super::lifecycle::TrackLifecycleState;
+use super::multi_scan::{Beginnings, WrittenBeginnings};
 use super::{ActiveTrack, Memory};
 use crate::association::Associator;
 use crate::filtering::Filter;
@@ -29,6 +30,8 @@ struct Written {
     /// Of each sensor.
     waiting: Vec<Vec<WrittenPoint>>,
     /// Of each sensor.
+    beginnings: Vec<WrittenBeginnings>,
+    /// Of each sensor.
     #[serde(default)]
     rays: Vec<Vec<WrittenRay>>,
     nis: Nis,
@@ -47,7 +50,7 @@ struct WrittenTrack {
 }
 
 #[derive(Serialize, Deserialize)]
-struct WrittenPoint {
+pub(super) struct WrittenPoint {
     scan_index: u32,
     #[serde(with = "bits")]
     time_s: f64,
@@ -84,8 +87,9 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
             .map(|(track, belief)| write_track::<F, K>(track, belief))
             .collect(),
         waiting: waiting
-            .map(|points| points.iter().map(write_point).collect())
+            .map(|points| points.iter().map(write_waiting).collect())
             .collect(),
+        beginnings: memory.beginnings.write::<F>(),
         rays: memory
             .rays
             .iter()
@@ -128,6 +132,8 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         last_time_s: written.last_time_s.map(f64::from_bits),
         scans: written.scans,
         initiator: Initiator::default(),
+        beginnings: Beginnings::read::<F>(&written.beginnings)
+            .ok_or_else(|| refuse(&"a beginning"))?,
         rays: Vec::with_capacity(written.rays.len()),
         nis: written.nis,
         finders: written.finders,
@@ -187,8 +193,11 @@ fn write_track<F: Filter<K>, const K: usize>(
     }
 }
 
-fn write_point<const K: usize>(waiting: &Waiting<K>) -> WrittenPoint {
-    let point = &waiting.point;
+fn write_waiting<const K: usize>(waiting: &Waiting<K>) -> WrittenPoint {
+    write_point(&waiting.point, waiting.missed)
+}
+
+pub(super) fn write_point<const K: usize>(point: &Point<K>, missed: u32) -> WrittenPoint {
     let mut values = Vec::new();
     point.state.pack_into(&mut values);
     WrittenPoint {
@@ -199,11 +208,11 @@ fn write_point<const K: usize>(waiting: &Waiting<K>) -> WrittenPoint {
         origin: point.origin,
         after_s: point.after_s,
         kinematics: bits::of(&values),
-        missed: waiting.missed,
+        missed,
     }
 }
 
-fn read_point<const K: usize>(point: &WrittenPoint) -> Option<Waiting<K>> {
+pub(super) fn read_point<const K: usize>(point: &WrittenPoint) -> Option<Waiting<K>> {
     Some(Waiting {
         point: Point {
             scan_index: point.scan_index,

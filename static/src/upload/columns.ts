@@ -15,7 +15,10 @@ const MODES = [1, 2, 3, 4, 5, 6].map((model) => `mode_${model}`);
 const KINEMATICS = ["x_m", "y_m", "z_m", "vx_mps", "vy_mps", "vz_mps"];
 const POSE = [...KINEMATICS, "heading_deg", "pitch_deg", "roll_deg"];
 const POSES = [...POSE, ...POSE.map((name) => `sigma_${name}`)].map((name) => `sensor_${name}`);
-const SIGMAS = ["sigma_x_m", "sigma_y_m", "sigma_range_m", "sigma_bearing_deg"];
+const SIGMAS = [
+  ...["x_m", "y_m", "z_m", "range_m", "bearing_deg", "elevation_deg", "range_rate_mps"],
+  ...["speed_mps", "course_deg"],
+].map((name) => `sigma_${name}`);
 const ATTRIBUTES = [
   "address",
   "callsign",
@@ -52,6 +55,7 @@ export const CANONICAL: string[] = [
   ...MODES,
   ...ATTRIBUTES.flatMap(inUnits),
   ...POSES.flatMap(inUnits),
-  ...SIGMAS,
+  ...SIGMAS.flatMap(inUnits),
+  "correlation_xy",
   ...COVARIANCES,
 ];

@@ -229,6 +229,7 @@ pub fn track_point(time_s: f64, state: State, covariance: Option<Covariance>) ->
         estimate,
         status: None,
         nis: None,
+        known_at_s: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -4,7 +4,7 @@ use super::*;
 use trackloom_domain::model::scan::Measurement;
 
 const HEADER: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m\n";
-const KNOWN: &str = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, sensor_x_m, sensor_y_m, sensor_z_m, sensor_vx_mps, sensor_vy_mps, sensor_vz_mps, sensor_heading_deg, sensor_pitch_deg, sensor_roll_deg, sensor_sigma_x_m, sensor_sigma_y_m, sensor_sigma_z_m, sensor_sigma_vx_mps, sensor_sigma_vy_mps, sensor_sigma_vz_mps, sensor_sigma_heading_deg, sensor_sigma_pitch_deg, sensor_sigma_roll_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
+const KNOWN: &str = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, vx_mps, vy_mps, sigma_x_m, sigma_y_m, correlation_xy, sigma_z_m, sigma_range_m, sigma_bearing_deg, sigma_elevation_deg, sigma_range_rate_mps, sigma_speed_mps, sigma_course_deg, sensor_x_m, sensor_y_m, sensor_z_m, sensor_vx_mps, sensor_vy_mps, sensor_vz_mps, sensor_heading_deg, sensor_pitch_deg, sensor_roll_deg, sensor_sigma_x_m, sensor_sigma_y_m, sensor_sigma_z_m, sensor_sigma_vx_mps, sensor_sigma_vy_mps, sensor_sigma_vz_mps, sensor_sigma_heading_deg, sensor_sigma_pitch_deg, sensor_sigma_roll_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
 
 fn detections(rows: &str) -> Fault {
     fault("csv", format!("{HEADER}{rows}"))
@@ -525,4 +525,33 @@ fn a_rotating_sensor_has_a_time_for_each_detection() {
     assert_eq!(counts, [3, 2]);
     assert_eq!(found.detection_ids[3], "5");
     assert_eq!(found.sensors[0].sensor_id, "sensor");
+}
+
+#[test]
+fn noises_that_are_none_are_refused() {
+    let text = "time_s,scan,sensor_id,detection_id,x_m,y_m,sigma_x_m,correlation_xy,speed_mps,course_deg\n\
+                0,1,r,a,1,2,0,0,1,2\n1,2,r,b,1,2,1,1,1,2\n2,3,r,c,1,2,1,0,-1,2\n";
+    let faults = read("csv", text.to_owned()).expect_err("three cells are wrong");
+    let found: Vec<_> = faults
+        .iter()
+        .map(|fault| {
+            (
+                fault.line,
+                fault.column.as_deref(),
+                fault.allowed.as_deref(),
+            )
+        })
+        .collect();
+    assert_eq!(
+        found,
+        [
+            (Some(2), Some("sigma_x_m"), Some("> 0")),
+            (
+                Some(3),
+                Some("correlation_xy"),
+                Some("above -1 and below 1")
+            ),
+            (Some(4), Some("speed_mps"), Some(">= 0 m/s")),
+        ]
+    );
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use std::f64::consts::FRAC_PI_2;
+use trackloom_domain::model::own::{Own, OwnNoise};
 use trackloom_domain::model::scan::{Detection, Measurement, Scan};
 use trackloom_domain::model::space::Place;
 use trackloom_domain::model::state::State;
@@ -286,4 +287,47 @@ fn a_covariance_is_symmetric() {
     );
     assert_eq!(set.tracks[0].points[1].estimate.covariance, None);
     assert_eq!(set.candidates.len(), 0);
+}
+
+#[test]
+fn detections_have_noises_times_and_velocities_of_their_own() {
+    let text = "time_s,scan,sensor_id,detection_id,x_m,y_m,sigma_x_m,sigma_y_m,correlation_xy,vx_mps,vy_mps,speed_mps,course_deg\n\
+                0,1,r,a,1,2,3,4,-0.5,5,6,,\n1,1,r,b,3,4,,,,,,2,90\n5,2,r,c,5,6,,,,,,,\n";
+    let outcome = read("csv", text).expect("the file is sound");
+    assert_eq!(outcome.warnings, Vec::<String>::new());
+    let recording = recording(outcome);
+    assert_eq!(recording.scans[0].time_s, 0.5);
+    let noise = OwnNoise {
+        sigma_x_m: Some(3.0),
+        sigma_y_m: Some(4.0),
+        correlation_xy: Some(-0.5),
+        ..OwnNoise::default()
+    };
+    let [first, second] = recording.scans[0].own[..] else {
+        panic!("{:?}", recording.scans[0].own)
+    };
+    let wanted = Own {
+        after_s: -0.5,
+        noise,
+        velocity_mps: Some([5.0, 6.0]),
+    };
+    assert_eq!(first, wanted);
+    let [east, north] = second.velocity_mps.unwrap();
+    assert_eq!(
+        (second.after_s, second.noise, east),
+        (0.5, OwnNoise::default(), 2.0)
+    );
+    assert!(north.abs() < 1e-15, "{north}");
+    assert_eq!(recording.scans[1].own, []);
+}
+
+#[test]
+fn polar_noises_are_in_degrees() {
+    let text = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg,sigma_range_m,sigma_bearing_deg\n0,1,r,a,100,10,7,90\n";
+    let recording = recording(read("csv", text).expect("the file is sound"));
+    let noise = recording.scans[0].own[0].noise;
+    assert_eq!(
+        (noise.sigma_range_m, noise.sigma_bearing_rad),
+        (Some(7.0), Some(FRAC_PI_2))
+    );
 }

@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use trackloom_domain::formats::{FORMATS, write_csv, write_json};
 use trackloom_domain::model::modes::ModeTable;
 use trackloom_domain::model::names::{name_fault, natural_order};
+use trackloom_domain::model::own::{Own, OwnNoise, whole};
 use trackloom_domain::model::scan::{Detection, Measurement, RecordingParts, Scan};
 use trackloom_domain::model::sensor::SensorSettings;
 use trackloom_domain::model::space::{Place, Space};
@@ -92,11 +93,32 @@ fn measurement() -> impl Strategy<Value = Measurement> {
     ]
 }
 
+/// Angles are read in degrees, which not every radian survives: there are none.
+fn own() -> impl Strategy<Value = Own> {
+    let sigma = || prop::option::weighted(0.2, 1e-3..1e6);
+    let velocity = prop::option::weighted(0.2, [number(), number()]);
+    let correlation = prop::option::weighted(0.2, -0.99..0.99);
+    (sigma(), sigma(), correlation, sigma(), velocity).prop_map(
+        |(sigma_x_m, sigma_range_m, correlation_xy, sigma_speed_mps, velocity_mps)| Own {
+            after_s: 0.0,
+            noise: OwnNoise {
+                sigma_x_m,
+                sigma_range_m,
+                correlation_xy,
+                sigma_speed_mps,
+                ..OwnNoise::default()
+            },
+            velocity_mps,
+        },
+    )
+}
+
 type RawDetection = (
     Measurement,
     Option<prop::sample::Index>,
     String,
     Option<f64>,
+    Own,
 );
 type RawScan = (prop::sample::Index, u32, Vec<RawDetection>);
 
@@ -106,6 +128,7 @@ fn raw_scan() -> impl Strategy<Value = RawScan> {
         prop::option::of(any::<prop::sample::Index>()),
         name(),
         prop::option::weighted(0.2, number()),
+        own(),
     );
     (
         any::<prop::sample::Index>(),
@@ -151,7 +174,8 @@ fn assemble(
             own: Vec::new(),
             detections: Vec::new(),
         };
-        for (nth, (measurement, origin, id, amplitude)) in detections.into_iter().enumerate() {
+        for (nth, (measurement, origin, id, amplitude, own)) in detections.into_iter().enumerate() {
+            scan.own.push(own);
             let origin = origin
                 .filter(|_| origins_known)
                 .map(|origin| origin.index(targets.len()) as u32);
@@ -163,6 +187,7 @@ fn assemble(
             });
             parts.detection_ids.push(format!("{id}{nth}"));
         }
+        scan.own = whole(scan.own);
         parts.scans.push(scan);
     }
     let used_targets: Vec<u32> = used_targets.into_iter().collect();

@@ -126,6 +126,7 @@ fn point(set: &mut TrackSet, time_s: f64, word: &str) -> TrackPoint {
     TrackPoint {
         height_m: None,
         status,
+        known_at_s: None,
         mode_row: None,
         first_candidate: first_candidate as u32,
         candidates: candidates as u32,
@@ -143,6 +144,7 @@ fn bare_point(time_s: f64, x_m: f64, y_m: f64) -> TrackPoint {
         estimate,
         status: None,
         nis: None,
+        known_at_s: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

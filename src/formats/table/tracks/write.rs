@@ -45,6 +45,7 @@ struct Layout {
     candidates: bool,
     status: bool,
     nis: bool,
+    known: bool,
     modes: usize,
 }
 
@@ -61,6 +62,7 @@ impl Layout {
             candidates: has(|point| point.candidates > 0),
             status: has(|point| point.status.is_some()),
             nis: has(|point| point.nis.is_some()),
+            known: has(|point| point.known_at_s.is_some()),
             modes: if has(|point| point.mode_row.is_some()) {
                 set.modes.modes().min(MAX_MODES)
             } else {
@@ -81,6 +83,7 @@ impl Layout {
         );
         columns.extend(self.status.then_some("status"));
         columns.extend(self.nis.then_some("nis"));
+        columns.extend(self.known.then_some("known_at_s"));
         columns.extend(&MODE_COLUMNS[..self.modes]);
         columns
     }
@@ -135,6 +138,9 @@ fn write_row(
     }
     if layout.nis {
         sink.number(point.nis)?;
+    }
+    if layout.known {
+        sink.number(point.known_at_s)?;
     }
     let modes = set.modes_of(point);
     for mode in 0..layout.modes {
