@@ -83,14 +83,24 @@ impl EllipsoidalGate {
     #[inline]
     pub fn candidates_of_any<'r, const D: usize>(
         &self,
-        placed: (&Grid, &[[f64; D]]),
+        (grid, placed): (&Grid, &[[f64; D]]),
         angle: Option<usize>,
         regions: impl Iterator<Item = Region<'r, D>> + Clone,
         mut found: impl FnMut(u32, SVector<f64, D>),
     ) {
-        self.candidates_near(placed, angle, regions.clone(), |detection, point| {
-            if self.is_inside(&point, angle, regions.clone()) {
-                found(detection, point);
+        let mut hull = Hull::default();
+        for region in regions.clone() {
+            hull.add(self, region, angle);
+        }
+        let Some((centre, half)) = hull.centre(angle) else {
+            return;
+        };
+        grid.near_places(&centre, half, angle, |places, detections| {
+            for (near, &detection) in placed[places].iter().zip(detections) {
+                let point = SVector::from(*near);
+                if self.is_inside(&point, angle, regions.clone()) {
+                    found(detection, point);
+                }
             }
         });
     }
@@ -108,47 +118,63 @@ impl EllipsoidalGate {
             gaussian.squared_distance(&innovation) <= self.thresholds[D - 1]
         })
     }
+}
 
-    /// Calls `found(detection, z)` once for each measurement that may be inside the gate of any region that lies between these,
-    /// and for some others.
-    #[inline]
-    pub fn candidates_near<'r, const D: usize>(
-        &self,
-        (grid, placed): (&Grid, &[[f64; D]]),
+/// The box around regions, along the first two axes.
+pub struct Hull<const D: usize> {
+    /// The first centre, from which the others are measured.
+    first: Option<SVector<f64, D>>,
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl<const D: usize> Default for Hull<D> {
+    fn default() -> Self {
+        Hull {
+            first: None,
+            low: [f64::INFINITY; 2],
+            high: [f64::NEG_INFINITY; 2],
+        }
+    }
+}
+
+impl<const D: usize> Hull<D> {
+    /// Takes in the bounding box of the gate of a region.
+    pub fn add(
+        &mut self,
+        gate: &EllipsoidalGate,
+        (centre, covariance, _): Region<D>,
         angle: Option<usize>,
-        regions: impl Iterator<Item = Region<'r, D>> + Clone,
-        mut found: impl FnMut(u32, SVector<f64, D>),
     ) {
-        let Some((first, _, _)) = regions.clone().next() else {
-            return;
-        };
-        let threshold = self.thresholds[D - 1];
-        let (mut centre, mut half) = (*first, [0.0; 2]);
-        for (axis, half) in half.iter_mut().enumerate().take(D) {
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for (place, covariance, _) in regions.clone() {
-                let offset = angle::difference(place, first, angle)[axis];
-                let reach = (threshold * covariance[(axis, axis)]).sqrt();
-                (low, high) = (low.min(offset - reach), high.max(offset + reach));
-            }
-            *half = (high - low) / 2.0;
-            if half.is_finite() {
-                centre[axis] += (low + high) / 2.0;
+        let threshold = gate.thresholds[D - 1];
+        let first = self.first.get_or_insert(*centre);
+        let offset = angle::difference(centre, first, angle);
+        for axis in 0..D.min(2) {
+            let reach = (threshold * covariance[(axis, axis)]).sqrt();
+            self.low[axis] = self.low[axis].min(offset[axis] - reach);
+            self.high[axis] = self.high[axis].max(offset[axis] + reach);
+        }
+    }
+
+    /// Its centre, and half of its sides.
+    pub fn centre(&self, angle: Option<usize>) -> Option<(SVector<f64, D>, [f64; 2])> {
+        let (mut centre, mut half) = (self.first?, [0.0; 2]);
+        for axis in 0..D.min(2) {
+            half[axis] = (self.high[axis] - self.low[axis]) / 2.0;
+            if half[axis].is_finite() {
+                centre[axis] += (self.low[axis] + self.high[axis]) / 2.0;
             }
         }
         if let Some(axis) = angle {
             centre[axis] = angle::wrap(centre[axis]);
         }
-        grid.near_places(&centre, half, angle, |places, detections| {
-            for (near, &detection) in placed[places].iter().zip(detections) {
-                found(detection, SVector::from(*near));
-            }
-        });
+        Some((centre, half))
     }
 }
 
 /// ẑ, S, and what is made of S.
-type Region<'r, const D: usize> = (&'r SVector<f64, D>, &'r SMatrix<f64, D, D>, &'r Gaussian<D>);
+pub type Region<'r, const D: usize> =
+    (&'r SVector<f64, D>, &'r SMatrix<f64, D, D>, &'r Gaussian<D>);
 
 #[cfg(test)]
 mod tests {

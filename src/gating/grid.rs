@@ -16,6 +16,9 @@ pub struct Grid {
     cell_of: Vec<u32>,
 }
 
+/// Columns and rows.
+type Part = [RangeInclusive<usize>; 2];
+
 /// Where the cells lie.
 #[derive(Debug, Clone, Copy, Default)]
 struct Axes {
@@ -112,38 +115,34 @@ impl Grid {
             return;
         }
         let centre = plane(&centre.data.0[0]);
-        if let Some(axis) = angle {
-            return self.near_round(centre, half, axis, found);
-        }
-        self.visit(
-            self.span(centre[0], half[0], 0),
-            self.span(centre[1], half[1], 1),
-            &mut found,
-        );
-    }
-
-    /// The same with an axis that goes round.
-    #[inline(never)]
-    fn near_round(
-        &self,
-        centre: [f64; 2],
-        half: [f64; 2],
-        axis: usize,
-        mut found: impl FnMut(Range<usize>, &[u32]),
-    ) {
-        let other = self.span(centre[1 - axis], half[1 - axis], 1 - axis);
-        for part in self
-            .spans_round(centre[axis], half[axis], axis)
-            .into_iter()
-            .flatten()
-        {
-            let (columns, rows) = if axis == 0 {
-                (part, other.clone())
-            } else {
-                (other.clone(), part)
-            };
+        let parts = match angle {
+            None => [
+                Some([
+                    self.span(centre[0], half[0], 0),
+                    self.span(centre[1], half[1], 1),
+                ]),
+                None,
+            ],
+            Some(axis) => self.parts_round(centre, half, axis),
+        };
+        for [columns, rows] in parts.into_iter().flatten() {
             self.visit(columns, rows, &mut found);
         }
+    }
+
+    /// The columns and rows with an axis that goes round.
+    #[inline(never)]
+    fn parts_round(&self, centre: [f64; 2], half: [f64; 2], axis: usize) -> [Option<Part>; 2] {
+        let other = self.span(centre[1 - axis], half[1 - axis], 1 - axis);
+        self.spans_round(centre[axis], half[axis], axis)
+            .map(|part| {
+                let part = part?;
+                Some(if axis == 0 {
+                    [part, other.clone()]
+                } else {
+                    [other.clone(), part]
+                })
+            })
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! The detections of one scan as hypotheses look at them: as points of a measurement space, in a grid, used or not.
 
 use crate::filtering::{Corrector, Expected, Filter};
-use crate::gating::ellipsoidal::EllipsoidalGate;
+use crate::gating::ellipsoidal::{EllipsoidalGate, Hull};
 use crate::gating::grid::Grid;
 use crate::model::angle;
 use crate::model::scan::Detection;
@@ -94,21 +94,16 @@ impl Detections {
         );
     }
 
-    /// Calls `found(detection, z)` for each unused detection near these regions.
-    pub fn near<'r, const D: usize>(
-        &self,
-        gate: &EllipsoidalGate,
-        angle: Option<usize>,
-        regions: impl Iterator<Item = &'r Expected<D>> + Clone,
-        mut found: impl FnMut(u32, SVector<f64, D>),
-    ) {
-        let placed = (&self.grid, self.placed.as_chunks().0);
-        let regions = regions.map(Expected::as_region);
-        gate.candidates_near(placed, angle, regions, |detection, point| {
-            if !self.used[detection as usize] {
-                found(detection, point);
-            }
-        });
+    /// Appends the unused detections that lie in a box.
+    pub fn near<const D: usize>(&self, hull: &Hull<D>, angle: Option<usize>, near: &mut Vec<u32>) {
+        let Some((centre, half)) = hull.centre(angle) else {
+            return;
+        };
+        self.grid
+            .near_places(&centre, half, angle, |_, detections| {
+                near.extend_from_slice(detections);
+            });
+        near.retain(|detection| !self.used[*detection as usize]);
     }
 
     /// The unused detection of a target.

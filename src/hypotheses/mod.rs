@@ -116,7 +116,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         look: Look<F, F::Step>,
         problem_index: u32,
         (beliefs, members): (&mut [F::Belief], &[u32]),
-        origin_of: impl Fn(u32) -> Option<u32>,
+        origin_of: &dyn Fn(u32) -> Option<u32>,
         watch: &Watch,
     ) -> Result<(), Halt> {
         self.problem.begin(problem_index, self.detections.len());
@@ -421,19 +421,18 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Reading<'_, F, K> {
     }
 }
 
-struct Writing<'a, F: Filter<K>, O, const K: usize> {
+struct Writing<'a, F: Filter<K>, const K: usize> {
     hypotheses: &'a mut Hypotheses<F, K>,
     likelihoods: Likelihoods<'a>,
     look: Look<'a, F, F::Step>,
     beliefs: &'a mut [F::Belief],
     members: &'a [u32],
-    origin_of: O,
+    /// Called by name: a type of its own would compile all this once more for each caller.
+    origin_of: &'a dyn Fn(u32) -> Option<u32>,
     watch: &'a Watch<'a>,
 }
 
-impl<F: Filter<K>, O: Fn(u32) -> Option<u32>, const K: usize> WithCorrector<F, K>
-    for Writing<'_, F, O, K>
-{
+impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
     type Output = Result<(), Halt>;
 
     /// One pass: a large scene does not fit into the caches.

@@ -12,7 +12,7 @@ use super::likelihood_constants::LikelihoodConstants;
 use crate::association::Needs;
 use crate::association::problem::Edge;
 use crate::filtering::{Corrector, Expected, Filter};
-use crate::gating::ellipsoidal::EllipsoidalGate;
+use crate::gating::ellipsoidal::{EllipsoidalGate, Hull};
 use crate::model::angle;
 use crate::model::own::{Own, OwnNoise};
 use crate::model::scan::Scan;
@@ -149,14 +149,17 @@ fn find_near<F: Filter<K>, C: Corrector<F, K, D>, const K: usize, const D: usize
     track: &Track<C, F::Belief>,
     near: &mut Vec<u32>,
 ) {
-    let corners = track.bounds.corners();
-    let looks = corners.map(|own| track.corrector.expect_own(track.belief, &own));
-    let of_models = looks
-        .iter()
-        .flatten()
-        .flat_map(|(_, gain)| C::regions(gain));
-    let whole = looks.iter().flatten().map(|(expected, _)| expected);
-    let whole = whole.filter(|_| !C::HAS_REGIONS);
-    let regions = of_models.chain(whole);
-    detections.near(gate, C::ANGLE, regions, |detection, _| near.push(detection));
+    let mut hull = Hull::default();
+    for own in track.bounds.corners() {
+        let Some((expected, gain)) = track.corrector.expect_own(track.belief, &own) else {
+            continue;
+        };
+        if !C::HAS_REGIONS {
+            hull.add(gate, expected.as_region(), C::ANGLE);
+        }
+        for region in C::regions(&gain) {
+            hull.add(gate, region.as_region(), C::ANGLE);
+        }
+    }
+    detections.near(&hull, C::ANGLE, near);
 }

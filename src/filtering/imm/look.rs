@@ -13,6 +13,7 @@ use crate::filtering::{Weighted, mixture};
 use crate::math::gaussian::Gaussian;
 use crate::model::angle::{difference, wrap};
 use crate::model::sensing::Sensing;
+use crate::model::state::GaussianState;
 use nalgebra::{SMatrix, SVector};
 
 /// A model whose probability is at most this has no gate.
@@ -52,8 +53,28 @@ pub struct Change<const R: usize, const N: usize> {
 /// Kⱼ Sⱼ Kⱼᵀ.
 pub type Loss<const R: usize, const N: usize> = [SMatrix<f64, N, N>; R];
 
+/// What a model expects: compiled by itself, for it is large and asked for in several places.
+#[inline(never)]
+fn look_by<M, S, const N: usize, const K: usize, const D: usize>(
+    extra: Extra,
+    state: &GaussianState<N>,
+    way: &Way,
+    sensing: &S,
+) -> Option<ModeLook<N, D>>
+where
+    M: ModeMotion<N, K>,
+    S: Sensing<K, D>,
+{
+    let (expected, gain) = M::expect(extra, state, way, sensing)?;
+    Some(ModeLook {
+        expected,
+        gain,
+        offset: SVector::zeros(),
+    })
+}
+
 /// What all models expect of a report, and the moments of that. `None` when an S is not positive definite.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn expect<M, S, const R: usize, const N: usize, const K: usize, const D: usize>(
     belief: &Belief<R, N>,
     extras: &[Extra; R],
@@ -64,15 +85,8 @@ where
     M: ModeMotion<N, K>,
     S: Sensing<K, D>,
 {
-    let look_by = |mode: usize| -> Option<ModeLook<N, D>> {
-        let (expected, gain) = M::expect(extras[mode], &belief.states[mode], way, sensing)?;
-        Some(ModeLook {
-            expected,
-            gain,
-            offset: SVector::zeros(),
-        })
-    };
-    let first = look_by(0)?;
+    let look_by = look_by::<M, S, N, K, D>;
+    let first = look_by(extras[0], &belief.states[0], way, sensing)?;
     let mut gain = ImmGain {
         modes: [first; R],
         probabilities: belief.probabilities,
@@ -82,7 +96,7 @@ where
     for mode in 0..R {
         let probability = belief.probabilities[mode];
         if mode > 0 && probability > 0.0 {
-            gain.modes[mode] = look_by(mode)?;
+            gain.modes[mode] = look_by(extras[mode], &belief.states[mode], way, sensing)?;
         }
         if probability > LEAST_GATED {
             gain.regions[gain.region_count] = gain.modes[mode].expected;
@@ -136,7 +150,7 @@ impl<const R: usize, const N: usize, const D: usize> ImmGain<R, N, D> {
     }
 
     /// What a detection with this innovation changes, and ln Σ cⱼ N(z; ẑⱼ, Sⱼ).
-    #[inline(always)]
+    #[inline(never)]
     pub fn assess(
         &self,
         innovation: &SVector<f64, D>,
@@ -174,7 +188,7 @@ impl<const R: usize, const N: usize, const D: usize> ImmGain<R, N, D> {
         (change, largest + total.ln())
     }
 
-    #[inline(always)]
+    #[inline(never)]
     pub fn loss(&self) -> Loss<R, N> {
         std::array::from_fn(|mode| self.modes[mode].gain.loss())
     }
