@@ -28,7 +28,7 @@ use trackloom_domain::model::space::Space;
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{
-    Confirmation, History, Initiation, Lifecycle, TRACKERS, TrackerParts,
+    Confirmation, History, Initiation, Lifecycle, MultiScan, TRACKERS, TrackerParts,
 };
 use yardstick::yardstick_ns;
 
@@ -69,6 +69,10 @@ fn main() {
         imm_scenes(u_ns);
         return;
     }
+    if std::env::args().any(|argument| argument == "begin") {
+        begin_scenes(u_ns);
+        return;
+    }
     if std::env::args().any(|argument| argument == "space") {
         space_scenes(u_ns);
         return;
@@ -88,6 +92,7 @@ fn main() {
         jpda_scenes(u_ns);
         imm_scenes(u_ns);
         space_scenes(u_ns);
+        begin_scenes(u_ns);
     }
 }
 
@@ -118,6 +123,40 @@ fn space_scenes(u_ns: f64) {
                 let (u, ratio) = (ns / u_ns, ns / least_ns[0]);
                 println!("{targets:>8}  {method:<24} {name:<24} {ns:>8.1} {u:>8.2} {ratio:>9.2}");
             }
+        }
+    }
+}
+
+/// The whole run with tracks that begin over several scans beside those of one point.
+fn begin_scenes(u_ns: f64) {
+    println!("\nBeginnings, nearest neighbour, for each detection");
+    println!(
+        "{:>8}  {:<12} {:>10} {:>8} {:>11}",
+        "targets", "initiation", "ns each", "u each", "/ one point"
+    );
+    let multi_scan = Initiation::MultiScan(MultiScan {
+        max_speed_mps: Some(1000.0),
+        window_scans: 5,
+        min_detections: 3,
+        max_gap_scans: 2,
+        max_nodes: 20_000,
+    });
+    for targets in [100, 1_000] {
+        let (scenario, recording) = scene(targets);
+        let detections = recording.detection_count() as f64;
+        let mut least_ns = [f64::INFINITY; 2];
+        for _ in 0..RUNS {
+            for (least_ns, initiation) in
+                least_ns.iter_mut().zip([Initiation::OnePoint, multi_scan])
+            {
+                let (filter, method) = (AnyFilter::kalman(1.0), "nearest_neighbour");
+                let (seconds, ..) = tracked_from(initiation, filter, method, &scenario, &recording);
+                *least_ns = least_ns.min(seconds * 1e9 / detections);
+            }
+        }
+        for (ns, name) in least_ns.iter().zip(["one point", "multi-scan"]) {
+            let (u, ratio) = (ns / u_ns, ns / least_ns[0]);
+            println!("{targets:>8}  {name:<12} {ns:>10.1} {u:>8.2} {ratio:>11.2}");
         }
     }
 }
@@ -287,6 +326,16 @@ fn tracked_with(
     scenario: &Scenario,
     recording: &Recording,
 ) -> (f64, u64, Option<serde_json::Value>) {
+    tracked_from(Initiation::OnePoint, filter, method, scenario, recording)
+}
+
+fn tracked_from(
+    initiation: Initiation,
+    filter: AnyFilter,
+    method: &str,
+    scenario: &Scenario,
+    recording: &Recording,
+) -> (f64, u64, Option<serde_json::Value>) {
     let sensor = &scenario.sensors[0];
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
     let initial_speed_sigma_mps = if sensor.max_range_m < Some(10_000.0) {
@@ -307,7 +356,7 @@ fn tracked_with(
         associator: associator(method, &json!({})),
         lifecycle: Lifecycle {
             gate_probability: 0.999,
-            initiation: Initiation::OnePoint,
+            initiation,
             confirmation: Confirmation::MOfN,
             confirm_hits: 3,
             confirm_window: 5,
@@ -315,6 +364,7 @@ fn tracked_with(
             max_missed_s: None,
             max_position_sigma_m: None,
             initial_speed_sigma_mps,
+            smoothing: None,
         },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),

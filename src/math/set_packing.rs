@@ -45,11 +45,9 @@ fn clusters(sets: &[Vec<u32>], usable: &[u32]) -> Vec<Vec<u32>> {
     let elements = all.max().map_or(0, |&most| most as usize + 1);
     let mut parents: Vec<u32> = (0..elements as u32).collect();
     for &set in usable {
-        let first = root(&mut parents, sets[set as usize][0]);
-        for &element in &sets[set as usize][1..] {
-            let other = root(&mut parents, element);
-            parents[other as usize] = first.min(other);
-            parents[first as usize] = first.min(other);
+        for pair in sets[set as usize].windows(2) {
+            let (one, other) = (root(&mut parents, pair[0]), root(&mut parents, pair[1]));
+            parents[one.max(other) as usize] = one.min(other);
         }
     }
     let mut of_root = vec![u32::MAX; elements];

@@ -1,5 +1,7 @@
 //! What a single report has of its own, where it is not as its sensor's others are: when it was made, and how well.
 
+use super::fault::Fault;
+
 /// Of one detection.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Own {
@@ -17,6 +19,20 @@ pub fn whole(own: Vec<Own>) -> Vec<Own> {
     } else {
         own
     }
+}
+
+/// A fault for each scan whose detections have not one sound entry each, nor none; of each scan its entries and its detections.
+pub fn faults<'o>(scans: impl Iterator<Item = (&'o [Own], usize)>) -> impl Iterator<Item = Fault> {
+    let is_sound = |own: &Own| own.after_s.is_finite() && own.noise.is_sound();
+    scans
+        .enumerate()
+        .filter_map(move |(index, (own, detections))| {
+            let is_whole = own.is_empty() || own.len() == detections;
+            (!is_whole || !own.iter().all(is_sound)).then(|| {
+                let detail = "what detections have of their own is not one sound entry each";
+                Fault::new(format!("/scans/{index}/own"), "malformed", detail)
+            })
+        })
 }
 
 /// Standard deviations of what was measured; what is absent is as the sensor's.
@@ -81,21 +97,15 @@ impl OwnNoise {
         }
     }
 
-    /// Whether nothing is its own.
-    pub fn is_empty(&self) -> bool {
-        self.values().iter().all(Option::is_none)
-    }
-
     /// Whether it is one: deviations above 0, a correlation between -1 and 1.
     pub fn is_sound(&self) -> bool {
-        let is_correlation = |value: f64| value.abs() < 1.0;
-        let is_sigma = |value: f64| value > 0.0 && value.is_finite();
         let sigmas = OwnNoise {
             correlation_xy: None,
             ..*self
         };
-        sigmas.values().into_iter().flatten().all(is_sigma)
-            && self.correlation_xy.is_none_or(is_correlation)
+        let mut values = sigmas.values().into_iter().flatten();
+        values.all(|value| value > 0.0 && value.is_finite())
+            && self.correlation_xy.is_none_or(|value| value.abs() < 1.0)
     }
 
     /// The larger of each, with no correlation: the noise of a report that is no better than either.

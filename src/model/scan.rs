@@ -457,17 +457,11 @@ fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {
 }
 
 fn check_detections(parts: &RecordingParts, faults: &mut Vec<Fault>) {
-    for (index, scan) in parts.scans.iter().enumerate() {
-        let is_whole = scan.own.is_empty() || scan.own.len() == scan.detections.len();
-        let is_sound = |own: &Own| own.after_s.is_finite() && own.noise.is_sound();
-        if !is_whole || !scan.own.iter().all(is_sound) {
-            faults.push(Fault::new(
-                format!("/scans/{index}/own"),
-                "malformed",
-                "what detections have of their own is not one sound entry each",
-            ));
-        }
-    }
+    let of_scans = parts
+        .scans
+        .iter()
+        .map(|scan| (&scan.own[..], scan.detections.len()));
+    faults.extend(super::own::faults(of_scans));
     if !parts.beside.fits(parts.detection_ids.len()) {
         let detail = "what is known beside the detections is not of all of them";
         faults.push(Fault::new("/beside", "malformed", detail));

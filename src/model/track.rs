@@ -259,6 +259,6 @@ mod tests {
 
     #[test]
     fn a_point_in_the_plane_is_small() {
-        assert!(size_of::<TrackPoint>() <= 208);
+        assert!(size_of::<TrackPoint>() <= 224);
     }
 }

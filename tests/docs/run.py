@@ -41,6 +41,7 @@ PARTS = {
     '{"columns":': "a part of an upload; tests/domain/formats reads renamed columns",
     '{"method": "imm"': lambda part: ("associate", {
         "input": DETECTIONS, "sensors": SENSORS, "associator": {"method": "jpda"}, "filter": json.loads(part)}),
+    '{"initiation":': lambda part: ("associate", {"input": DETECTIONS, "sensors": SENSORS, "tracker": json.loads(part)}),
     '"from": [': "a part of a report",
     '{"truth_id":': "a part of a report",
 }

@@ -294,7 +294,7 @@ fn parameters_of_initiation_and_confirmation_are_refused_with_their_range() {
         [fault(
             "initiation/method",
             "unknown_value",
-            "one_point, two_point, truth"
+            "one_point, two_point, multi_scan, truth"
         )]
     );
     let one_point = json!({"initiation": {"method": "one_point", "max_speed_mps": 3.0}});
@@ -338,7 +338,7 @@ fn directions_have_no_speeds_and_no_positions() {
         (
             "/tracker/initiation/method",
             "unsupported",
-            "one_point, truth",
+            "one_point, multi_scan, truth",
         ),
         ("/tracker/max_position_sigma_m", "unsupported", "no value"),
     ];

@@ -43,6 +43,7 @@ mod maneuver;
 mod mixed;
 mod motions;
 mod moving_sensor;
+mod multi_scan;
 mod mutations;
 mod oracle;
 mod origins;

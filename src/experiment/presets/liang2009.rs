@@ -31,6 +31,7 @@ pub(super) fn presets() -> Vec<Preset> {
     cartesian
         .chain(polar)
         .chain([table1(), clutter(), beginnings()])
+        .chain([over_scans()])
         .collect()
 }
 
@@ -65,6 +66,49 @@ fn beginnings() -> Preset {
         json!({"by": "variants", "name": "beginnings", "variants": beginnings}),
     ];
     campaign("beginnings", summary, TARGETS[0], axes, 100)
+}
+
+/// Beginnings over several scans beside those from one detection and at the truth.
+fn over_scans() -> Preset {
+    let summary = "Liang & Liu 2009 with tracks that begin over several scans (multi_scan), beside beginnings from single detections and at \
+                   the true states of the first scan: 10, 50 and 100 targets under four associators, with GOSPA.";
+    let targets = json!({"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": [10, 50, 100]});
+    with_gospa(campaign(
+        "multi-scan",
+        summary,
+        TARGETS[0],
+        vec![targets, three_beginnings()],
+        20,
+    ))
+}
+
+fn three_beginnings() -> Value {
+    let variant = |(name, method): (&str, &str)| json!({"name": name, "set": [{"path": "/tracker/initiation", "value": {"method": method}}]});
+    let beginnings = [
+        ("one point", "one_point"),
+        ("multi-scan", "multi_scan"),
+        ("truth", "truth"),
+    ];
+    json!({"by": "variants", "name": "beginnings", "variants": beginnings.map(variant)})
+}
+
+/// The same with global nearest neighbour and the mean GOSPA.
+fn with_gospa(mut preset: Preset) -> Preset {
+    let body = &mut preset.body;
+    body["base"]["metrics"] = json!([{"metric": "gospa"}]);
+    if let Some(base) = body["base"].as_object_mut() {
+        base.shift_remove("profile");
+    }
+    if let Some(outcomes) = body["outcomes"].as_array_mut() {
+        outcomes.push(json!({"name": "GOSPA m", "path": "metrics.gospa.quantities.gospa"}));
+    }
+    if let Some(variants) = body
+        .pointer_mut("/grid/2/variants")
+        .and_then(Value::as_array_mut)
+    {
+        variants.insert(1, associator(("GNN", "global_nearest_neighbour")));
+    }
+    preset
 }
 
 const ASSOCIATORS: [(&str, &str); 3] = [

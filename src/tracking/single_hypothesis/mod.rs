@@ -182,7 +182,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let origin_of = |track: u32| tracks[track as usize].origin;
         // Each scan has two problems: of the confirmed tracks, then of the others.
         let problem_index = 2 * *scans + part as u32;
-        hypotheses.write(look, problem_index, (beliefs, members), origin_of, watch)?;
+        hypotheses.write(look, problem_index, (beliefs, members), &origin_of, watch)?;
         for &track in hypotheses.lost() {
             tracks[track as usize].life.end();
         }

@@ -49,7 +49,7 @@ function inUnits(name: string): string[] {
 
 /** Every canonical name, those with units also with the units that a file may have. */
 export const CANONICAL: string[] = [
-  ...["time_s", ...PLACES, ...MEASURED, ...MOVING].flatMap(inUnits),
+  ...["time_s", "known_at_s", ...PLACES, ...MEASURED, ...MOVING].flatMap(inUnits),
   ...IDENTITIES,
   ...OTHERS,
   ...MODES,

@@ -324,6 +324,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         estimate: Kinematics::of_plane(&state, has_velocity, covariance.as_ref()),
         status: status.map(|index| TrackStatus::ALL[index].0),
         nis: status.map(|_| x.abs()),
+        known_at_s: status.filter(|index| index % 2 == 0).map(|_| time_s + 1.5),
         mode_row: status.and_then(|_| set.modes.push(&[share, 1.0 - share])),
         first_candidate: first_candidate as u32,
         candidates: (set.candidates.len() - first_candidate) as u32,

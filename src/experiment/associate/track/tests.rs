@@ -141,6 +141,11 @@ fn scenes() -> Vec<Scene> {
             json!({"method": "kalman", "motion": {"model": "constant_acceleration"}}),
         ),
         (
+            json!({"method": "pda"}),
+            json!({"initiation": {"method": "multi_scan"}}),
+            json!({"method": "kalman"}),
+        ),
+        (
             json!({"method": "oracle"}),
             json!({"initiation": {"method": "truth"}}),
             json!({"method": "unscented"}),

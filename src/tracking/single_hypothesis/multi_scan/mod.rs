@@ -226,7 +226,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let origin_of = |leaf: u32| last.nodes[leaf as usize].origin;
         let reach = Reach::new::<K>(rule, &self.lifecycle);
         let hypotheses = &mut self.scratch.hypotheses;
-        hypotheses.write(look, 0, (&mut beliefs, &members), origin_of, watch)?;
+        hypotheses.write(look, 0, (&mut beliefs, &members), &origin_of, watch)?;
         for row in 0..hypotheses.problem().rows().len() {
             let leaf = hypotheses.track(row);
             let way = Way {

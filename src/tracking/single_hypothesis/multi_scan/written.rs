@@ -65,27 +65,41 @@ impl<B, const K: usize> Beginnings<B, K> {
 /// Whether parents, roots and detections are where nodes say.
 fn is_sound<B, const K: usize>(sensor: &OfSensor<B, K>) -> bool {
     let mut before = 0;
-    let oldest = sensor.layers.front().map_or(0, |layer| layer.number);
-    sensor.layers.iter().enumerate().all(|(index, layer)| {
-        let has_root = |node: &Node<B>| {
-            let at = node.root.checked_sub(oldest).map(|at| at as usize);
-            let root = at
-                .filter(|at| *at <= index)
-                .and_then(|at| sensor.layers.get(at));
-            root.is_some_and(|root| (node.first as usize) < root.points.len())
-        };
-        let is_sound = |node: &Node<B>| {
-            let count = layer.points.len();
-            has_root(node)
-                && node.parent.is_none_or(|parent| (parent as usize) < before)
-                && node
-                    .detection
-                    .is_none_or(|detection| (detection as usize) < count)
-        };
-        let all = layer.number == oldest + index as u32 && layer.nodes.iter().all(is_sound);
+    for (index, layer) in sensor.layers.iter().enumerate() {
+        let follows = layer.number == sensor.layers[0].number + index as u32;
+        if !follows
+            || !layer
+                .nodes
+                .iter()
+                .all(|node| fits(sensor, index, before, node))
+        {
+            return false;
+        }
         before = layer.nodes.len();
-        all
-    })
+    }
+    true
+}
+
+/// The same of a node in a layer, with so many nodes in the layer before.
+fn fits<B, const K: usize>(
+    sensor: &OfSensor<B, K>,
+    index: usize,
+    before: usize,
+    node: &Node<B>,
+) -> bool {
+    let points = sensor.layers[index].points.len();
+    let at = node.root.checked_sub(sensor.layers[0].number);
+    let root = at.and_then(|at| {
+        sensor
+            .layers
+            .get(at as usize)
+            .filter(|_| at as usize <= index)
+    });
+    root.is_some_and(|root| (node.first as usize) < root.points.len())
+        && node.parent.is_none_or(|parent| (parent as usize) < before)
+        && node
+            .detection
+            .is_none_or(|detection| (detection as usize) < points)
 }
 
 fn write_layer<F: Filter<K>, const K: usize>(layer: &Layer<F::Belief, K>) -> WrittenLayer {

@@ -1,0 +1,165 @@
+//! Tracks that begin over several scans.
+
+use crate::origins::jobs::Texts;
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use trackloom_domain::experiment::{JobKind, Outcome};
+use trackloom_domain::math::rng::{Purpose, Seed};
+
+/// Scans of one radar: the places in each, a second apart.
+fn detections(scans: &[Vec<[f64; 2]>]) -> String {
+    let mut text = "time_s,scan,sensor_id,detection_id,x_m,y_m\n".to_owned();
+    for (scan, places) in scans.iter().enumerate() {
+        if places.is_empty() {
+            writeln!(text, "{scan},{},r,,,", scan + 1).unwrap();
+        }
+        for (nth, [x_m, y_m]) in places.iter().enumerate() {
+            writeln!(text, "{scan},{},r,{scan}-{nth},{x_m},{y_m}", scan + 1).unwrap();
+        }
+    }
+    text
+}
+
+fn job(scans: &[Vec<[f64; 2]>], initiation: &Value) -> Outcome {
+    let mut texts = Texts::of("csv");
+    let body = json!({
+        "input": texts.dataset(&detections(scans)),
+        "sensors": [{"sensor_id": "r", "p_d": 0.9, "clutter_per_m2": 1e-6, "sigma_x_m": 10, "sigma_y_m": 10}],
+        "filter": {"method": "kalman", "process_noise_m2ps3": 0.1},
+        "associator": {"method": "global_nearest_neighbour"},
+        "tracker": {"initiation": initiation, "initial_speed_sigma_mps": 50},
+    });
+    texts.run(JobKind::Associate, &body).unwrap()
+}
+
+/// The rows of a file of the job, without its header; and the header.
+fn rows(outcome: &Outcome, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let file = outcome.artifacts.iter().find(|file| file.name == name);
+    let text = String::from_utf8(file.unwrap().bytes.clone()).unwrap();
+    let mut lines = text
+        .lines()
+        .map(|line| line.split(',').map(str::to_owned).collect());
+    (lines.next().unwrap(), lines.collect())
+}
+
+/// A target that goes 20 m east a second from x = 0 on, with errors of 10 m.
+fn target(scan: usize, draw: &mut impl rand::Rng) -> [f64; 2] {
+    let errors: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(draw));
+    [20.0 * scan as f64 + 10.0 * errors[0], 10.0 * errors[1]]
+}
+
+#[test]
+fn a_track_begins_with_its_first_detection_and_says_when_it_was_known() {
+    let draw = &mut Seed { seed: 5, run: 0 }.stream(Purpose::Detection, 0, 0);
+    let mut scans: Vec<Vec<[f64; 2]>> = (0..10).map(|scan| vec![target(scan, draw)]).collect();
+    scans[2].clear();
+    let outcome = job(&scans, &json!({"method": "multi_scan"}));
+    let (header, rows) = rows(&outcome, "tracks.csv");
+    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
+    let at = |row: &Vec<String>, name: &str| row[column(name)].parse::<f64>().ok();
+    let times: Vec<f64> = rows.iter().map(|row| at(row, "time_s").unwrap()).collect();
+    assert_eq!(times, (0..10).map(f64::from).collect::<Vec<_>>());
+    let known: Vec<Option<f64>> = rows.iter().map(|row| at(row, "known_at_s")).collect();
+    let wanted = [
+        Some(4.0),
+        Some(4.0),
+        Some(4.0),
+        Some(4.0),
+        None,
+        None,
+        None,
+        None,
+        None,
+        None,
+    ];
+    assert_eq!(known, wanted);
+    let detections: Vec<&str> = rows
+        .iter()
+        .map(|row| row[column("detection_id")].as_str())
+        .collect();
+    assert_eq!(detections[..4], ["0-0", "1-0", "", "3-0"]);
+    // In the light of later scans the first point is known better than by its detection alone, and has a speed.
+    assert!(at(&rows[0], "p_xx").unwrap() < 90.0, "{:?}", rows[0]);
+    assert!(
+        (at(&rows[0], "vx_mps").unwrap() - 20.0).abs() < 8.0,
+        "{:?}",
+        rows[0]
+    );
+    assert_eq!(rows[4][column("status")], "confirmed");
+}
+
+#[test]
+fn detections_are_chosen_together() {
+    // Two targets cross the way of a third detection: greedily the first target would take it.
+    let draw = &mut Seed { seed: 6, run: 0 }.stream(Purpose::Detection, 0, 0);
+    let scans: Vec<Vec<[f64; 2]>> = (0..8)
+        .map(|scan| {
+            let first = target(scan, draw);
+            let [x_m, y_m] = target(scan, draw);
+            vec![first, [x_m, 60.0 + y_m]]
+        })
+        .collect();
+    let outcome = job(&scans, &json!({"method": "multi_scan"}));
+    let (header, rows) = rows(&outcome, "tracks.csv");
+    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
+    let mut used: Vec<&String> = rows
+        .iter()
+        .map(|row| &row[column("detection_id")])
+        .collect();
+    used.sort();
+    let all = used.len();
+    used.dedup();
+    assert_eq!((used.len(), all), (16, 16), "no detection is in two tracks");
+    for row in &rows {
+        let is_second = row[column("detection_id")].ends_with("-1");
+        assert_eq!(
+            row[column("track_id")] == rows[0][column("track_id")],
+            is_second == rows[0][column("detection_id")].ends_with("-1")
+        );
+    }
+}
+
+#[test]
+fn clutter_begins_hardly_any_track() {
+    let draw = &mut Seed { seed: 7, run: 0 }.stream(Purpose::Clutter, 0, 0);
+    let scans: Vec<Vec<[f64; 2]>> = (0..60)
+        .map(|_| {
+            (0..40)
+                .map(|_| [6000.0 * draw.random::<f64>(), 6000.0 * draw.random::<f64>()])
+                .collect()
+        })
+        .collect();
+    let tracks = |initiation: &Value| {
+        let outcome = job(&scans, initiation);
+        outcome
+            .result
+            .pointer("/association/tracks")
+            .unwrap()
+            .as_array()
+            .unwrap()
+            .len()
+    };
+    let over_scans = tracks(&json!({"method": "multi_scan"}));
+    let of_one = tracks(&json!({"method": "one_point"}));
+    assert!(over_scans <= of_one / 4, "{over_scans} {of_one}");
+}
+
+#[test]
+fn too_many_ways_are_cut_and_told() {
+    let draw = &mut Seed { seed: 8, run: 0 }.stream(Purpose::Clutter, 0, 0);
+    let scans: Vec<Vec<[f64; 2]>> = (0..8)
+        .map(|_| {
+            (0..80)
+                .map(|_| [500.0 * draw.random::<f64>(), 500.0 * draw.random::<f64>()])
+                .collect()
+        })
+        .collect();
+    let outcome = job(&scans, &json!({"method": "multi_scan", "max_nodes": 100}));
+    let told = outcome
+        .warnings
+        .iter()
+        .any(|warning| warning.contains("of the ways from detection to detection were cut"));
+    assert!(told, "{:?}", outcome.warnings);
+}
