@@ -5,7 +5,6 @@ use super::smoothing::Passage;
 use super::{Corrector, Filter, Reports, Weighted, WithCorrector, mixture};
 use crate::model::motion::Motion;
 use crate::model::own::Own;
-use crate::model::scan::Measurement;
 use crate::model::sensing::{Dispatch, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::GaussianState;
 use nalgebra::{SMatrix, SVector};
@@ -162,11 +161,12 @@ where
     M: Motion<N>,
     MeasurementModel: Dispatch<K>,
 {
+    type Sensing = S;
     type Gain = Gain<N, D>;
-    const ANGLE: Option<usize> = S::ANGLE;
 
-    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>> {
-        self.sensing.read(report, own)
+    #[inline(always)]
+    fn sensing(&self) -> &S {
+        self.sensing
     }
 
     #[inline(always)]
@@ -193,24 +193,5 @@ where
     #[inline(always)]
     fn loss(gain: &Gain<N, D>) -> SMatrix<f64, N, N> {
         gain.loss()
-    }
-
-    #[inline(always)]
-    fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64 {
-        self.sensing.log_clutter_scale(expected)
-    }
-
-    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64 {
-        self.sensing.with_own(own).log_clutter_scale(expected)
-    }
-
-    fn locate(
-        &self,
-        report: &SVector<f64, D>,
-        rate_sigma: f64,
-        own: &Own,
-    ) -> Option<GaussianState<K>> {
-        let sensing = self.sensing.with_own(own);
-        sensing.locate(report, rate_sigma)
     }
 }

@@ -4,7 +4,7 @@
 use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::model::own::Own;
 use crate::model::scan::Measurement;
-use crate::model::sensing::MeasurementModel;
+use crate::model::sensing::{MeasurementModel, Sensing};
 use crate::model::space::Space;
 use crate::model::state::GaussianState;
 use crate::registry::{Field, Kind, Method, Object, Union, default, number, optional, variant};
@@ -99,15 +99,21 @@ pub trait Filter<const K: usize>: Copy + Send + 'static {
 
 /// How a filter compares its beliefs with reports of `D` values.
 pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
+    /// What the sensor reports.
+    type Sensing: Sensing<K, D>;
     /// What makes a change of an innovation.
     type Gain;
     /// The value that is an angle, if there is one.
-    const ANGLE: Option<usize>;
+    const ANGLE: Option<usize> = <Self::Sensing as Sensing<K, D>>::ANGLE;
     /// Whether reports are expected in several regions, [`Corrector::regions`], instead of the one around what is expected.
     const HAS_REGIONS: bool = false;
 
+    fn sensing(&self) -> &Self::Sensing;
+
     /// A report as a point of the measurement space; `None` for one of another kind.
-    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>>;
+    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>> {
+        self.sensing().read(report, own)
+    }
 
     /// What should be reported of a target. `None` when S is not positive definite.
     fn expect(&self, belief: &F::Belief) -> Option<(Expected<D>, Self::Gain)>;
@@ -140,10 +146,16 @@ pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
     fn loss(gain: &Self::Gain) -> F::Loss;
 
     /// ln of how much of the space in which clutter is stated a unit of the measurement space covers.
-    fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64;
+    #[inline(always)]
+    fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64 {
+        self.sensing().log_clutter_scale(expected)
+    }
 
     /// The same of a report that has something of its own.
-    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64;
+    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64 {
+        let sensing = self.sensing().with_own(own);
+        sensing.log_clutter_scale(expected)
+    }
 
     /// The kinematics that one report alone tells, if it says where the target is; at the time of the report.
     fn locate(
@@ -151,7 +163,10 @@ pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
         report: &SVector<f64, D>,
         rate_sigma: f64,
         own: &Own,
-    ) -> Option<GaussianState<K>>;
+    ) -> Option<GaussianState<K>> {
+        let sensing = self.sensing().with_own(own);
+        sensing.locate(report, rate_sigma)
+    }
 
     /// As of [`crate::model::sensing::Sensing::parts`], for a filter that begins among several.
     fn parts(

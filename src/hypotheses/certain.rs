@@ -27,17 +27,7 @@ pub fn update<F: Filter<K>, const K: usize>(
     report: &Measurement,
     belief: &mut F::Belief,
 ) -> Option<()> {
-    let own = &Own::default();
-    filter
-        .correct(
-            model,
-            Update {
-                report,
-                own,
-                belief,
-            },
-        )
-        .flatten()
+    update_own(filter, model, (report, &Own::default()), belief)
 }
 
 /// The same with a report that has something of its own.

@@ -18,42 +18,35 @@ use crate::model::own::{Own, OwnNoise};
 use crate::model::scan::Scan;
 use nalgebra::SVector;
 
-/// What bounds all that the detections of a scan have of their own.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Bounds {
-    earliest_s: f64,
-    latest_s: f64,
-    widest: OwnNoise,
-    /// Of any that has one: the places where it is expected do not depend on it.
-    velocity_mps: Option<[f64; 2]>,
-}
+/// What bounds all that the detections of a scan have of their own: between these lies where any of them may be expected.
+#[derive(Debug)]
+pub(super) struct Bounds(Vec<Own>);
 
 impl Bounds {
+    /// The earliest and the latest time, each with the sensor's noise and with the largest; none twice.
     pub fn of(scan: &Scan) -> Self {
-        let mut bounds = Bounds::default();
+        let (mut times_s, mut widest) = ([0.0f64; 2], OwnNoise::default());
+        // Where a velocity is expected does not depend on it, but whether one is told does.
+        let mut velocity_mps = None;
         for own in &scan.own {
-            bounds.earliest_s = bounds.earliest_s.min(own.after_s);
-            bounds.latest_s = bounds.latest_s.max(own.after_s);
-            bounds.widest = bounds.widest.widest(&own.noise);
-            bounds.velocity_mps = bounds.velocity_mps.or(own.velocity_mps);
+            times_s = [times_s[0].min(own.after_s), times_s[1].max(own.after_s)];
+            widest = widest.widest(&own.noise);
+            velocity_mps = velocity_mps.or(own.velocity_mps);
         }
-        bounds
-    }
-
-    /// Two times with two noises.
-    fn corners(&self) -> [Own; 4] {
-        let of_sensor = OwnNoise::default();
-        [
-            (self.earliest_s, of_sensor),
-            (self.latest_s, of_sensor),
-            (self.earliest_s, self.widest),
-            (self.latest_s, self.widest),
-        ]
-        .map(|(after_s, noise)| Own {
-            after_s,
-            noise,
-            velocity_mps: self.velocity_mps,
-        })
+        let mut corners = Vec::with_capacity(4);
+        for noise in [OwnNoise::default(), widest] {
+            for after_s in times_s {
+                let corner = Own {
+                    after_s,
+                    noise,
+                    velocity_mps,
+                };
+                if !corners.contains(&corner) {
+                    corners.push(corner);
+                }
+            }
+        }
+        Bounds(corners)
     }
 }
 
@@ -150,8 +143,8 @@ fn find_near<F: Filter<K>, C: Corrector<F, K, D>, const K: usize, const D: usize
     near: &mut Vec<u32>,
 ) {
     let mut hull = Hull::default();
-    for own in track.bounds.corners() {
-        let Some((expected, gain)) = track.corrector.expect_own(track.belief, &own) else {
+    for own in &track.bounds.0 {
+        let Some((expected, gain)) = track.corrector.expect_own(track.belief, own) else {
             continue;
         };
         if !C::HAS_REGIONS {

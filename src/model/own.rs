@@ -97,6 +97,15 @@ impl OwnNoise {
         }
     }
 
+    /// Of the three coordinates, where a sensor has these.
+    pub fn sigmas_m(&self, [x_m, y_m, z_m]: [f64; 3]) -> [f64; 3] {
+        [
+            self.sigma_x_m.unwrap_or(x_m),
+            self.sigma_y_m.unwrap_or(y_m),
+            self.sigma_z_m.unwrap_or(z_m),
+        ]
+    }
+
     /// Whether it is one: deviations above 0, a correlation between -1 and 1.
     pub fn is_sound(&self) -> bool {
         let sigmas = OwnNoise {

@@ -23,7 +23,7 @@ pub use history::History;
 pub use outcome::{Nis, ScanOutcome};
 pub use recorder::Recorder;
 pub use single_hypothesis::confirmation::{Confirmation, ScoreRule};
-pub use single_hypothesis::initiation::Initiation;
+pub use single_hypothesis::initiation::{Initiation, SPEED_REACH};
 pub use single_hypothesis::lifecycle::{LIFECYCLE, Lifecycle};
 pub use single_hypothesis::multi_scan::MultiScan;
 pub use smoothing::Smoothing;

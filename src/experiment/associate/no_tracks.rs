@@ -1,10 +1,10 @@
 //! Why a job with detections has no track: a warning that names the settings that decide it, and values that would do.
 
 use super::apparent_speed::apparent_speed;
-use super::speeds::{REACH, SIGMA_OF_FASTEST, two_digits};
+use super::speeds::{SIGMA_OF_FASTEST, two_digits};
 use super::track::{ResolvedRecording, Tracked};
 use crate::filtering::AnyFilter;
-use crate::tracking::{Confirmation, Initiation, Lifecycle};
+use crate::tracking::{Confirmation, Initiation, Lifecycle, SPEED_REACH};
 
 /// A warning where there are detections and no track was ever confirmed; none where tracks begin at the truth.
 pub fn warning(
@@ -85,12 +85,12 @@ fn advice(data: &ResolvedRecording, lifecycle: &Lifecycle) -> String {
     let fastest_mps = apparent.and_then(|apparent| apparent.fastest_mps);
     let is_within = |fastest_mps: f64| match lifecycle.initiation {
         Initiation::TwoPoint { max_speed_mps, .. } => fastest_mps <= max_speed_mps,
-        _ => fastest_mps <= REACH * lifecycle.initial_speed_sigma_mps,
+        _ => fastest_mps <= SPEED_REACH * lifecycle.initial_speed_sigma_mps,
     };
     match fastest_mps {
         Some(fastest_mps) if !is_within(fastest_mps) => {
             let (name, value) = match lifecycle.initiation {
-                Initiation::TwoPoint { .. } => ("max_speed_mps", REACH * SIGMA_OF_FASTEST * fastest_mps),
+                Initiation::TwoPoint { .. } => ("max_speed_mps", SPEED_REACH * SIGMA_OF_FASTEST * fastest_mps),
                 _ => ("initial_speed_sigma_mps", SIGMA_OF_FASTEST * fastest_mps),
             };
             format!(

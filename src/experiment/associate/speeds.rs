@@ -12,12 +12,10 @@ use crate::experiment::request::methods::TrackerSpec;
 use crate::filtering::AnyFilter;
 use crate::model::scenario::{Scenario, TargetPlan};
 use crate::simulation::fastest_mps;
-use crate::tracking::{Initiation, Lifecycle};
+use crate::tracking::{Initiation, Lifecycle, SPEED_REACH};
 use serde::Serialize;
 use serde_json::Value;
 
-/// Highest speed over σ.
-pub const REACH: f64 = 2.5;
 /// σ over the mean speed of the highest rung, which lies a little below the highest speed.
 pub const SIGMA_OF_FASTEST: f64 = 0.55;
 /// Targets that stand still are given this much, for nothing stands quite still.
@@ -155,7 +153,7 @@ fn speeds_of_scenario(scenario: &Scenario) -> Option<Speeds> {
     };
     let sigma_mps = (mean_square / 2.0)
         .sqrt()
-        .max(highest_mps / REACH)
+        .max(highest_mps / SPEED_REACH)
         .max(LEAST_SIGMA_MPS);
     Some(Speeds {
         sigma_mps: two_digits(sigma_mps),
@@ -186,7 +184,7 @@ fn speeds_of_data(apparent: Option<ApparentSpeed>) -> Speeds {
     };
     Speeds {
         sigma_mps: two_digits(sigma_mps),
-        highest_mps: two_digits(sigma_mps * REACH),
+        highest_mps: two_digits(sigma_mps * SPEED_REACH),
         ground,
     }
 }

@@ -127,7 +127,7 @@ pub fn elevations_rad(recording: &Recording, sensor: usize) -> f64 {
 }
 
 /// From the least of some values to the greatest.
-fn length(values: impl Iterator<Item = f64>) -> f64 {
+pub fn length(values: impl Iterator<Item = f64>) -> f64 {
     let ends = values.fold(None, |ends: Option<(f64, f64)>, value| {
         let (low, high) = ends.unwrap_or((value, value));
         Some((low.min(value), high.max(value)))

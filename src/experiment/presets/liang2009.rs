@@ -55,15 +55,9 @@ fn clutter() -> Preset {
 fn beginnings() -> Preset {
     let summary = "Liang & Liu 2009, how much the beginnings of tracks decide: from single detections, and at the true states of the \
                    first scan.";
-    let variant = |(name, value): (&str, Value)| json!({"name": name, "set": [{"path": "/tracker/initiation", "value": value}]});
-    let beginnings = [
-        ("one point", json!({"method": "one_point"})),
-        ("truth", json!({"method": "truth"})),
-    ]
-    .map(variant);
     let axes = vec![
-        json!({"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": [10, 50, 100]}),
-        json!({"by": "variants", "name": "beginnings", "variants": beginnings}),
+        few_targets(),
+        beginnings_by(&[("one point", "one_point"), ("truth", "truth")]),
     ];
     campaign("beginnings", summary, TARGETS[0], axes, 100)
 }
@@ -72,24 +66,24 @@ fn beginnings() -> Preset {
 fn over_scans() -> Preset {
     let summary = "Liang & Liu 2009 with tracks that begin over several scans (multi_scan), beside beginnings from single detections and at \
                    the true states of the first scan: 10, 50 and 100 targets under four associators, with GOSPA.";
-    let targets = json!({"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": [10, 50, 100]});
-    with_gospa(campaign(
-        "multi-scan",
-        summary,
-        TARGETS[0],
-        vec![targets, three_beginnings()],
-        20,
-    ))
-}
-
-fn three_beginnings() -> Value {
-    let variant = |(name, method): (&str, &str)| json!({"name": name, "set": [{"path": "/tracker/initiation", "value": {"method": method}}]});
-    let beginnings = [
+    let beginnings = beginnings_by(&[
         ("one point", "one_point"),
         ("multi-scan", "multi_scan"),
         ("truth", "truth"),
-    ];
-    json!({"by": "variants", "name": "beginnings", "variants": beginnings.map(variant)})
+    ]);
+    let axes = vec![few_targets(), beginnings];
+    with_gospa(campaign("multi-scan", summary, TARGETS[0], axes, 20))
+}
+
+fn few_targets() -> Value {
+    json!({"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": [10, 50, 100]})
+}
+
+/// Names of beginnings, and their methods.
+fn beginnings_by(methods: &[(&str, &str)]) -> Value {
+    let variant = |(name, method): &(&str, &str)| json!({"name": name, "set": [{"path": "/tracker/initiation", "value": {"method": method}}]});
+    let variants: Vec<Value> = methods.iter().map(variant).collect();
+    json!({"by": "variants", "name": "beginnings", "variants": variants})
 }
 
 /// The same with global nearest neighbour and the mean GOSPA.

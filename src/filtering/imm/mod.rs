@@ -38,7 +38,6 @@ pub use settings::{METHOD, Models};
 use super::motions::AnyMotion;
 use super::{Corrector, Filter, Reports, Way, Weighted, WithCorrector};
 use crate::model::own::Own;
-use crate::model::scan::Measurement;
 use crate::model::sensing::{Dispatch, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::{GaussianState, packed_len};
 use look::ImmGain;
@@ -373,12 +372,13 @@ where
     M: ModeMotion<N, K>,
     MeasurementModel: Dispatch<K>,
 {
+    type Sensing = S;
     type Gain = ImmGain<R, N, D>;
-    const ANGLE: Option<usize> = S::ANGLE;
     const HAS_REGIONS: bool = true;
 
-    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>> {
-        self.sensing.read(report, own)
+    #[inline(always)]
+    fn sensing(&self) -> &S {
+        self.sensing
     }
 
     #[inline(always)]
@@ -421,24 +421,5 @@ where
     #[inline(always)]
     fn loss(gain: &ImmGain<R, N, D>) -> Loss<R, N> {
         gain.loss()
-    }
-
-    #[inline(always)]
-    fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64 {
-        self.sensing.log_clutter_scale(expected)
-    }
-
-    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64 {
-        self.sensing.with_own(own).log_clutter_scale(expected)
-    }
-
-    fn locate(
-        &self,
-        report: &SVector<f64, D>,
-        rate_sigma: f64,
-        own: &Own,
-    ) -> Option<GaussianState<K>> {
-        let sensing = self.sensing.with_own(own);
-        sensing.locate(report, rate_sigma)
     }
 }

@@ -16,7 +16,6 @@ use crate::filtering::smoothing::Passage;
 use crate::filtering::{Corrector, Expected, Filter, Reports, Way, Weighted, WithCorrector};
 use crate::model::motion::Motion;
 use crate::model::own::Own;
-use crate::model::scan::Measurement;
 use crate::model::sensing::{Dispatch, MAX_RANGES, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::GaussianState;
 use nalgebra::{SMatrix, SVector};
@@ -187,12 +186,13 @@ struct Through<'s, S> {
 }
 
 impl<S: Sensing<4, D>, const D: usize> Corrector<RangeParametrised, 4, D> for Through<'_, S> {
+    type Sensing = S;
     type Gain = ImmGain<MAX_RANGES, 4, D>;
-    const ANGLE: Option<usize> = S::ANGLE;
     const HAS_REGIONS: bool = true;
 
-    fn read(&self, report: &Measurement, own: &Own) -> Option<SVector<f64, D>> {
-        self.sensing.read(report, own)
+    #[inline(always)]
+    fn sensing(&self) -> &S {
+        self.sensing
     }
 
     fn expect(&self, belief: &Several) -> Option<(Expected<D>, Self::Gain)> {
@@ -226,24 +226,6 @@ impl<S: Sensing<4, D>, const D: usize> Corrector<RangeParametrised, 4, D> for Th
 
     fn loss(gain: &Self::Gain) -> [SMatrix<f64, 4, 4>; MAX_RANGES] {
         gain.loss()
-    }
-
-    fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64 {
-        self.sensing.log_clutter_scale(expected)
-    }
-
-    fn log_clutter_scale_own(&self, expected: &SVector<f64, D>, own: &Own) -> f64 {
-        self.sensing.with_own(own).log_clutter_scale(expected)
-    }
-
-    fn locate(
-        &self,
-        report: &SVector<f64, D>,
-        rate_sigma: f64,
-        own: &Own,
-    ) -> Option<GaussianState<4>> {
-        let sensing = self.sensing.with_own(own);
-        sensing.locate(report, rate_sigma)
     }
 
     fn parts(&self, report: &SVector<f64, D>, rate_sigma: f64, own: &Own) -> Vec<GaussianState<4>> {

@@ -81,13 +81,7 @@ impl<const D: usize> Sensing<6, D> for Places {
                 sigmas_m,
                 correlation_xy,
                 ..
-            } => {
-                let variances = sigmas_m.map(|sigma_m| sigma_m * sigma_m);
-                let mut noise = Matrix3::from_diagonal(&variances.into());
-                let mixed = correlation_xy * sigmas_m[0] * sigmas_m[1];
-                (noise[(0, 1)], noise[(1, 0)]) = (mixed, mixed);
-                noise
-            }
+            } => measured_noise(sigmas_m, *correlation_xy),
             Places::Flat(polar) => {
                 let spread = belief.covariance.fixed_view::<2, 2>(0, 0).into_owned();
                 let place_m = Position::new(belief.mean[0], belief.mean[1]);
@@ -109,15 +103,11 @@ impl<const D: usize> Sensing<6, D> for Places {
     fn with_own(&self, own: &Own) -> Self {
         match *self {
             Places::Measured {
-                sigmas_m: [x, y, z],
+                sigmas_m,
                 clutter_span,
                 ..
             } => Places::Measured {
-                sigmas_m: [
-                    own.noise.sigma_x_m.unwrap_or(x),
-                    own.noise.sigma_y_m.unwrap_or(y),
-                    own.noise.sigma_z_m.unwrap_or(z),
-                ],
+                sigmas_m: own.noise.sigmas_m(sigmas_m),
                 correlation_xy: own.noise.correlation_xy.unwrap_or(0.0),
                 clutter_span,
             },
@@ -145,6 +135,15 @@ impl<const D: usize> Sensing<6, D> for Places {
         let noise = Sensing::<6, 3>::noise(self, &at);
         Some(at_rest(&place_m, &noise, rate_sigma))
     }
+}
+
+/// Of coordinates whose errors are independent but for those of x and y.
+pub(super) fn measured_noise(sigmas_m: &[f64; 3], correlation_xy: f64) -> Matrix3<f64> {
+    let variances = sigmas_m.map(|sigma_m| sigma_m * sigma_m);
+    let mut noise = Matrix3::from_diagonal(&variances.into());
+    let mixed = correlation_xy * sigmas_m[0] * sigmas_m[1];
+    (noise[(0, 1)], noise[(1, 0)]) = (mixed, mixed);
+    noise
 }
 
 /// At a place, with velocity 0 ± `speed_sigma_mps` on each axis.

@@ -84,22 +84,27 @@ impl Moving {
     }
 
     fn place_covariance(&self) -> Matrix3<f64> {
-        let mut noise =
-            Matrix3::from_diagonal(&self.sigmas_m.map(|sigma_m| sigma_m.powi(2)).into());
-        let mixed = self.correlation_xy * self.sigmas_m[0] * self.sigmas_m[1];
-        (noise[(0, 1)], noise[(1, 0)]) = (mixed, mixed);
-        noise
+        in_space::measured_noise(&self.sigmas_m, self.correlation_xy)
+    }
+
+    /// Gives a state at rest the velocity that a report tells.
+    fn set_velocity<const K: usize>(&self, state: &mut GaussianState<K>, velocity_mps: Position) {
+        if !self.tells_velocity {
+            return;
+        }
+        let spread = self.velocity_covariance(&velocity_mps, &PositionCovariance::zeros());
+        for row in 0..2 {
+            state.mean[K / 2 + row] = velocity_mps[row];
+            for column in 0..2 {
+                state.covariance[(K / 2 + row, K / 2 + column)] = spread[(row, column)];
+            }
+        }
     }
 
     fn with(&self, own: &Own) -> Self {
-        let [x, y, z] = self.sigmas_m;
         let noise = &own.noise;
         Moving {
-            sigmas_m: [
-                noise.sigma_x_m.unwrap_or(x),
-                noise.sigma_y_m.unwrap_or(y),
-                noise.sigma_z_m.unwrap_or(z),
-            ],
+            sigmas_m: noise.sigmas_m(self.sigmas_m),
             correlation_xy: noise.correlation_xy.unwrap_or(self.correlation_xy),
             velocity: VelocityNoise {
                 sigma_speed_mps: noise
@@ -169,15 +174,7 @@ impl Sensing<4, 4> for Moving {
             .fixed_view::<2, 2>(0, 0)
             .into_owned();
         let mut state = position::at_rest(&place_m, &noise, rate_sigma);
-        if self.tells_velocity {
-            let velocity_mps = report.fixed_rows::<2>(2).into_owned();
-            let spread = self.velocity_covariance(&velocity_mps, &PositionCovariance::zeros());
-            state.mean.fixed_rows_mut::<2>(2).copy_from(&velocity_mps);
-            state
-                .covariance
-                .fixed_view_mut::<2, 2>(2, 2)
-                .copy_from(&spread);
-        }
+        self.set_velocity(&mut state, Position::new(report[2], report[3]));
         Some(state)
     }
 }
@@ -246,15 +243,7 @@ impl<const D: usize> Sensing<6, D> for Moving {
         }
         let place_m = Place::new(report[0], report[1], report[2]);
         let mut state = in_space::at_rest(&place_m, &self.place_covariance(), rate_sigma);
-        if self.tells_velocity {
-            let velocity_mps = Position::new(report[D - 2], report[D - 1]);
-            let spread = self.velocity_covariance(&velocity_mps, &PositionCovariance::zeros());
-            state.mean.fixed_rows_mut::<2>(3).copy_from(&velocity_mps);
-            state
-                .covariance
-                .fixed_view_mut::<2, 2>(3, 3)
-                .copy_from(&spread);
-        }
+        self.set_velocity(&mut state, Position::new(report[D - 2], report[D - 1]));
         Some(state)
     }
 }

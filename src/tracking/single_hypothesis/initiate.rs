@@ -2,7 +2,6 @@
 
 use super::initiation::{Initiation, Pair, PairRule, Point};
 use super::lifecycle::{Glance, Lifecycle, TrackLifecycleState};
-use super::scratch::Scratch;
 use super::{ActiveTrack, SingleHypothesis};
 use crate::association::Needs;
 use crate::filtering::Filter;
@@ -196,17 +195,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         belief: &F::Belief,
         recorder: &mut dyn Recorder,
     ) {
-        let Scratch {
-            kinematics,
-            belief: packed,
-            ..
-        } = &mut self.scratch;
-        kinematics.clear();
-        point.in_scan().pack_into(kinematics);
-        packed.clear();
-        if self.lifecycle.smoothing.is_some() {
-            F::pack(belief, packed);
-        }
+        let kept = self.lifecycle.smoothing.map(|_| belief);
+        self.scratch.pack(&point.in_scan(), kept);
         recorder.point(&RecordedPoint {
             serial: track.serial,
             scan_index: point.scan_index,
@@ -214,8 +204,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             known_at_s,
             sensor: point.sensor,
             status: track.life.status(),
-            kinematics,
-            belief: packed,
+            kinematics: &self.scratch.kinematics,
+            belief: &self.scratch.belief,
             nis: None,
             modes: F::mode_probabilities(belief),
             candidates: &[Candidate {

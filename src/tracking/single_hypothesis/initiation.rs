@@ -50,9 +50,12 @@ pub enum Initiation {
     },
 }
 
-/// Two and a half times what is assumed of tracks of one point.
+/// Highest speed of a target over the standard deviation of a component of its velocity, where one of them alone is known.
+pub const SPEED_REACH: f64 = 2.5;
+
+/// That of what is assumed of tracks of one point.
 fn assumed_max_speed_mps() -> f64 {
-    2.5 * super::lifecycle::Lifecycle::ASSUMED_SPEED_SIGMA_MPS
+    SPEED_REACH * super::lifecycle::Lifecycle::ASSUMED_SPEED_SIGMA_MPS
 }
 
 static ONE_POINT: Object = Object {

@@ -314,19 +314,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
 
     /// Tells the recorder of a track at this scan, with the candidates at hand.
     fn record(&mut self, index: usize, scan: &Scan, nis: Option<f64>, recorder: &mut dyn Recorder) {
-        let Scratch {
-            kinematics,
-            belief,
-            candidates,
-            ..
-        } = &mut self.scratch;
-        kinematics.clear();
-        F::kinematics(&self.memory.beliefs[index]).pack_into(kinematics);
-        belief.clear();
-        if self.lifecycle.smoothing.is_some() {
-            F::pack(&self.memory.beliefs[index], belief);
-        }
-        let track = &self.memory.tracks[index];
+        let (track, belief) = (&self.memory.tracks[index], &self.memory.beliefs[index]);
+        let kept = self.lifecycle.smoothing.map(|_| belief);
+        self.scratch.pack(&F::kinematics(belief), kept);
         recorder.point(&RecordedPoint {
             serial: track.serial,
             scan_index: self.memory.scans,
@@ -334,11 +324,11 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             known_at_s: scan.time_s,
             sensor: scan.sensor,
             status: track.life.status(),
-            kinematics,
-            belief,
+            kinematics: &self.scratch.kinematics,
+            belief: &self.scratch.belief,
             nis,
-            modes: F::mode_probabilities(&self.memory.beliefs[index]),
-            candidates,
+            modes: F::mode_probabilities(belief),
+            candidates: &self.scratch.candidates,
         });
     }
 }

@@ -4,6 +4,7 @@ use crate::association::Needs;
 use crate::association::problem::Weights;
 use crate::filtering::{Filter, Weighted};
 use crate::hypotheses::Hypotheses;
+use crate::model::state::GaussianState;
 use crate::model::track::Candidate;
 
 pub(super) struct Scratch<F: Filter<K>, const K: usize> {
@@ -31,6 +32,16 @@ impl<F: Filter<K>, const K: usize> Scratch<F, K> {
             kinematics: Vec::new(),
             belief: Vec::new(),
             left: Vec::new(),
+        }
+    }
+
+    /// Packs what is told of a point: its kinematics, and the belief where tracks are smoothed afterwards.
+    pub fn pack(&mut self, kinematics: &GaussianState<K>, belief: Option<&F::Belief>) {
+        self.kinematics.clear();
+        kinematics.pack_into(&mut self.kinematics);
+        self.belief.clear();
+        if let Some(belief) = belief {
+            F::pack(belief, &mut self.belief);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The range rates of a sensor, and whether they are used.
 
-use crate::experiment::input::extent::detections_of;
+use crate::experiment::input::extent::{detections_of, length};
 use crate::experiment::request::methods::NamedFilter;
 use crate::model::scan::{Detection, Measurement, Recording};
 use crate::model::space::Space;
@@ -51,7 +51,6 @@ pub fn uses_range_rates(
 
 /// The interval over which a sensor's range rates reach; at least 1 m/s, so that a density over it exists.
 pub fn range_rate_span_mps(recording: &Recording, sensor: usize) -> f64 {
-    let rates =
-        || detections_of(recording, sensor).filter_map(|detection| range_rate_of(detection, false));
-    (rates().fold(f64::NEG_INFINITY, f64::max) - rates().fold(f64::INFINITY, f64::min)).max(1.0)
+    let detections = detections_of(recording, sensor);
+    length(detections.filter_map(|detection| range_rate_of(detection, false))).max(1.0)
 }

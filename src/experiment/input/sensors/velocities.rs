@@ -1,6 +1,6 @@
 //! The velocities that are reported with places (AIS, ADS-B), and how well they are known.
 
-use crate::experiment::input::extent::scans_of;
+use crate::experiment::input::extent::{length, scans_of};
 use crate::model::scan::Recording;
 use crate::model::sensing::{MeasurementModel, Moving, VelocityNoise};
 use crate::model::sensor::SensorSettings;
@@ -57,6 +57,5 @@ fn reported(recording: &Recording, sensor: usize) -> impl Iterator<Item = [f64; 
 
 /// The interval over which velocities reach on one axis; at least 1 m/s, so that a density over it exists.
 fn span(velocities: &[[f64; 2]], axis: usize) -> f64 {
-    let on_axis = || velocities.iter().map(|velocity_mps| velocity_mps[axis]);
-    (on_axis().fold(f64::NEG_INFINITY, f64::max) - on_axis().fold(f64::INFINITY, f64::min)).max(1.0)
+    length(velocities.iter().map(|velocity_mps| velocity_mps[axis])).max(1.0)
 }

@@ -150,13 +150,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         (estimate, known_s): (&F::Belief, f64),
         recorder: &mut dyn Recorder,
     ) {
-        let scratch = &mut self.scratch;
-        scratch.kinematics.clear();
-        F::kinematics(estimate).pack_into(&mut scratch.kinematics);
-        scratch.belief.clear();
-        if self.lifecycle.smoothing.is_some() {
-            F::pack(&node.belief, &mut scratch.belief);
-        }
+        let kept = self.lifecycle.smoothing.map(|_| &node.belief);
+        self.scratch.pack(&F::kinematics(estimate), kept);
         recorder.point(&RecordedPoint {
             serial,
             scan_index: layer.scan_index,
@@ -164,8 +159,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             known_at_s: known_s,
             sensor,
             status: life.status(),
-            kinematics: &scratch.kinematics,
-            belief: &scratch.belief,
+            kinematics: &self.scratch.kinematics,
+            belief: &self.scratch.belief,
             nis: node.nis,
             modes: F::mode_probabilities(estimate),
             candidates: &[Candidate {

@@ -27,7 +27,7 @@ mod choose;
 mod written;
 
 use super::SingleHypothesis;
-use super::initiation::{Point, reach_m};
+use super::initiation::{Point, SPEED_REACH, reach_m};
 use super::lifecycle::Lifecycle;
 use crate::filtering::Filter;
 use crate::hypotheses::Look;
@@ -43,8 +43,6 @@ pub(super) use written::WrittenBeginnings;
 
 /// Sets that are tried in a cluster of beginnings.
 const MAX_STEPS: usize = 200_000;
-/// Highest speed over the standard deviation of a component of it, where the request tells that alone.
-const REACH: f64 = 2.5;
 
 /// The parameters of the initiation.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -300,7 +298,7 @@ struct Reach {
 impl Reach {
     /// Of places with `K / 2` coordinates.
     fn new<const K: usize>(rule: &MultiScan, lifecycle: &Lifecycle) -> Self {
-        let told_mps = REACH * lifecycle.initial_speed_sigma_mps;
+        let told_mps = SPEED_REACH * lifecycle.initial_speed_sigma_mps;
         Reach {
             max_speed_mps: rule.max_speed_mps.unwrap_or(told_mps),
             gate_threshold: gate_threshold(lifecycle.gate_probability, (K / 2) as u32),
