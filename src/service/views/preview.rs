@@ -61,7 +61,7 @@ fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
         time_s: scan.time_s,
         sensor: scan.sensor,
         pose: scan.pose,
-        own: Vec::new(),
+        own: scan.own.iter().take(count - first).copied().collect(),
         detections: scan
             .detections
             .iter()
@@ -165,5 +165,18 @@ mod tests {
         for (limit, rows) in [(1, 1), (2, 2), (3, 3), (9, 3)] {
             assert_eq!(of(&dataset, limit).rows.len(), rows, "limit {limit}");
         }
+    }
+
+    #[test]
+    fn what_detections_have_of_their_own_is_shown_within_a_scan_too() {
+        let dataset = read(
+            "time_s,scan,sensor_id,detection_id,x_m,y_m,vx_mps,vy_mps,sigma_x_m\n0,1,s,d1,1,2,3,4,5\n0,1,s,d2,3,4,5,6,7\n",
+        );
+        let preview = of(&dataset, 1);
+        assert_eq!(preview.columns[6..], ["vx_mps", "vy_mps", "sigma_x_m"]);
+        assert_eq!(
+            preview.rows,
+            [["0", "1", "s", "d1", "1", "2", "3", "4", "5"]]
+        );
     }
 }
