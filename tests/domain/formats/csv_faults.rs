@@ -531,7 +531,7 @@ fn a_rotating_sensor_has_a_time_for_each_detection() {
 fn noises_that_are_none_are_refused() {
     let text = "time_s,scan,sensor_id,detection_id,x_m,y_m,sigma_x_m,correlation_xy,speed_mps,course_deg\n\
                 0,1,r,a,1,2,0,0,1,2\n1,2,r,b,1,2,1,1,1,2\n2,3,r,c,1,2,1,0,-1,2\n";
-    let faults = read("csv", text.to_owned()).expect_err("three cells are wrong");
+    let faults = read("csv", text).expect_err("three cells are wrong");
     let found: Vec<_> = faults
         .iter()
         .map(|fault| {

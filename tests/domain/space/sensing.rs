@@ -85,12 +85,12 @@ fn two_sites_on_a_curved_earth_see_the_target_where_it_is() {
         [-0.02386147828052, 0.9996171574461, 0.0140060127706],
         [0.01994358087006, -0.01353124156043, 0.9997095373577],
     ];
-    for row in 0..3 {
-        assert!((sites[1].place_m[row] - offset_m[row]).abs() < 1e-5);
-        for column in 0..3 {
+    for (row, (offset_m, turn)) in offset_m.into_iter().zip(turn).enumerate() {
+        assert!((sites[1].place_m[row] - offset_m).abs() < 1e-5);
+        for (column, wanted) in turn.into_iter().enumerate() {
             // That of the values leads from the second site to the first.
             let found = sites[1].turn[(column, row)];
-            assert!((found - turn[row][column]).abs() < 1e-12, "{row} {column}");
+            assert!((found - wanted).abs() < 1e-12, "{row} {column}");
         }
     }
     let seen = [
@@ -377,7 +377,7 @@ fn a_report_of_space_starts_a_track_and_one_of_the_plane_does_not() {
         .dispatch(Start(seen))
         .flatten()
         .unwrap();
-    let wanted = State6::from([0.0, 1732.050_808, 1100.0, 0.0, -34.641_016, -20.0]);
+    let wanted = State6::from([0.0, 1_732.050_808, 1100.0, 0.0, -34.641_016, -20.0]);
     assert!((start.mean - wanted).norm() < 1e-3, "{}", start.mean);
     // 1 m/s along the range, and 100 m/s across it.
     let along = State6::from([0.0, 0.0, 0.0, 0.0, 0.866_025_404, 0.5]);

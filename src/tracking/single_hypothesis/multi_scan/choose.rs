@@ -11,6 +11,9 @@ use crate::tracking::single_hypothesis::{ActiveTrack, SingleHypothesis};
 /// Its nodes from the root on: the index of each in its layer, and of the layer.
 type Path = Vec<(usize, usize)>;
 
+/// A node of a way and the scan it stands in.
+type Step<'a, B, const K: usize> = (&'a Layer<B, K>, &'a Node<B>);
+
 impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     /// Decides the rest, for no scan follows.
     pub(in crate::tracking::single_hypothesis) fn decide_rest(
@@ -72,7 +75,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         known_s: f64,
         recorder: &mut dyn Recorder,
     ) -> bool {
-        let nodes: Vec<(&Layer<F::Belief, K>, &Node<F::Belief>)> = path
+        let nodes: Vec<Step<F::Belief, K>> = path
             .iter()
             .map(|&(layer, node)| (&waiting.layers[layer], &waiting.layers[layer].nodes[node]))
             .collect();
@@ -103,11 +106,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     }
 
     /// What the track had lived through at each scan.
-    fn lives(
-        &self,
-        sensor: usize,
-        nodes: &[(&Layer<F::Belief, K>, &Node<F::Belief>)],
-    ) -> Vec<TrackLifecycleState> {
+    fn lives(&self, sensor: usize, nodes: &[Step<F::Belief, K>]) -> Vec<TrackLifecycleState> {
         let finds_targets = self.memory.finders & (1 << sensor.min(63)) != 0;
         let mut lives: Vec<TrackLifecycleState> = Vec::with_capacity(nodes.len());
         for (layer, node) in nodes {
@@ -133,7 +132,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     }
 
     /// The estimates in the light of all detections.
-    fn smoothed(&self, nodes: &[(&Layer<F::Belief, K>, &Node<F::Belief>)]) -> Vec<F::Belief> {
+    fn smoothed(&self, nodes: &[Step<F::Belief, K>]) -> Vec<F::Belief> {
         let mut smoothed: Vec<F::Belief> = nodes.iter().map(|(_, node)| node.belief).collect();
         for at in (1..nodes.len()).rev() {
             let dt_s = nodes[at].0.time_s - nodes[at - 1].0.time_s;
@@ -145,7 +144,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     fn record_past(
         &mut self,
         sensor: usize,
-        (layer, node): &(&Layer<F::Belief, K>, &Node<F::Belief>),
+        (layer, node): &Step<F::Belief, K>,
         (serial, life): (u32, &TrackLifecycleState),
         (estimate, known_s): (&F::Belief, f64),
         recorder: &mut dyn Recorder,
