@@ -383,6 +383,7 @@ fn tracked_from(
             },
             sight: None,
         }],
+        undetected: None,
         given: Vec::new(),
     };
     let start = Instant::now();

@@ -238,6 +238,7 @@ fn point(scan: usize, first_candidate: u32, is_seen: bool) -> TrackPoint {
         nis: None,
         status,
         known_at_s: None,
+        existence: None,
         mode_row: None,
         first_candidate,
         candidates: 1,

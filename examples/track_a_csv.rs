@@ -24,6 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..Lifecycle::default()
         },
         sensors: recording.sensors.iter().map(sensor).collect(),
+        undetected: None,
         given: Vec::new(),
     });
     let mut history = History::default();

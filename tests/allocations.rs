@@ -201,6 +201,7 @@ fn parts(filter: AnyFilter, method: &str, scenario: &Scenario) -> TrackerParts {
             },
             sight: None,
         }],
+        undetected: None,
         given: Vec::new(),
     }
 }

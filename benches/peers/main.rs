@@ -169,6 +169,7 @@ fn parts_of(spec: &Value) -> Result<TrackerParts, Failure> {
             },
             sight: None,
         }],
+        undetected: None,
         given: Vec::new(),
     })
 }

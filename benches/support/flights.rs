@@ -163,6 +163,7 @@ impl Flights {
             associator,
             lifecycle,
             sensors: vec![sensor],
+            undetected: None,
             given: self.given(),
         }
     }

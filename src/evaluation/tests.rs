@@ -48,6 +48,7 @@ pub fn tracks_of(tracks: &[Places]) -> TrackSet {
         status: None,
         nis: None,
         known_at_s: None,
+        existence: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

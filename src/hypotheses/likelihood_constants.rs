@@ -11,24 +11,26 @@ pub struct LikelihoodConstants {
     pub p_d: f64,
     /// ln λ.
     pub log_clutter: f64,
-    /// ln(P_D / λ).
+    /// ln(r P_D / λ).
     pub log_density: f64,
-    /// ln(1 − P_D P_G).
+    /// ln(1 − r P_D P_G).
     pub log_missed: f64,
 }
 
 impl LikelihoodConstants {
     /// Where the sensor sees as it is said to see everywhere.
     pub fn new(sensor: &Sensor, gate_probability: f64) -> Self {
-        Self::of(sensor.p_d, sensor, gate_probability)
+        Self::of((sensor.p_d, 1.0), sensor, gate_probability)
     }
 
-    fn of(p_d: f64, sensor: &Sensor, gate_probability: f64) -> Self {
+    /// Of a target that is detected with P_D, and there with probability r.
+    fn of((p_d, existence): (f64, f64), sensor: &Sensor, gate_probability: f64) -> Self {
+        let detected = existence * p_d;
         LikelihoodConstants {
             p_d,
             log_clutter: sensor.clutter_density.ln(),
-            log_density: (p_d / sensor.clutter_density).ln(),
-            log_missed: (1.0 - p_d * gate_probability).ln(),
+            log_density: (detected / sensor.clutter_density).ln(),
+            log_missed: (1.0 - detected * gate_probability).ln(),
         }
     }
 }
@@ -54,17 +56,22 @@ impl<'a> Likelihoods<'a> {
         }
     }
 
-    /// Of a track with these kinematics.
+    /// Of a track that has a target with this probability, and these kinematics.
     #[inline]
     pub fn of<const K: usize>(
         &self,
+        existence: f64,
         kinematics: impl FnOnce() -> GaussianState<K>,
     ) -> LikelihoodConstants {
         match self.sight {
-            None => self.usual,
+            None if existence == 1.0 => self.usual,
+            None => {
+                let detected = (self.usual.p_d, existence);
+                LikelihoodConstants::of(detected, self.sensor, self.gate_probability)
+            }
             Some((sight, from_m)) => {
                 let p_d = sight.mean_p_d(&kinematics(), &from_m);
-                LikelihoodConstants::of(p_d, self.sensor, self.gate_probability)
+                LikelihoodConstants::of((p_d, existence), self.sensor, self.gate_probability)
             }
         }
     }

@@ -51,6 +51,24 @@ pub struct Hypotheses<F: Filter<K>, const K: usize> {
     lost: Vec<u32>,
 }
 
+/// What is known of a track besides its belief.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct About {
+    /// The target that its first detection came from.
+    pub origin: Option<u32>,
+    /// r: the probability that it has a target.
+    pub existence: f64,
+}
+
+impl Default for About {
+    fn default() -> Self {
+        About {
+            origin: None,
+            existence: 1.0,
+        }
+    }
+}
+
 /// A look of a sensor at tracks.
 #[derive(Clone, Copy)]
 pub struct Look<'a, F, S> {
@@ -116,7 +134,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         look: Look<F, F::Step>,
         problem_index: u32,
         (beliefs, members): (&mut [F::Belief], &[u32]),
-        origin_of: &dyn Fn(u32) -> Option<u32>,
+        about: &dyn Fn(u32) -> About,
         watch: &Watch,
     ) -> Result<(), Halt> {
         self.problem.begin(problem_index, self.detections.len());
@@ -131,7 +149,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             look,
             beliefs,
             members,
-            origin_of,
+            about,
             watch,
         };
         look.filter.correct(look.report, work).unwrap_or(Ok(()))
@@ -188,17 +206,17 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         self.rows[row].0 as usize
     }
 
-    /// Updates the belief of a row's track by its weighted detections, which are left in `weighted`.
+    /// Updates the belief of a row's track by its detections, each weighted by its weight times `scale`; they are left in `weighted`.
     #[inline]
     pub fn update(
         &self,
         row: usize,
-        weights: &[f64],
+        (weights, scale): (&[f64], f64),
         weighted: &mut Vec<Weighted<F::Change>>,
         belief: &mut F::Belief,
     ) {
         let edges = self.problem.rows()[row].edges();
-        self.weigh(edges.clone(), weights, weighted);
+        self.weigh(edges.clone(), (weights, scale), weighted);
         if self.losses.is_empty() {
             F::update(belief, &self.rows[row].1, weighted);
         } else {
@@ -232,13 +250,18 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
 
     /// Writes the changes of edges that have a weight.
     #[inline]
-    fn weigh(&self, edges: Range<usize>, weights: &[f64], weighted: &mut Vec<Weighted<F::Change>>) {
+    fn weigh(
+        &self,
+        edges: Range<usize>,
+        (weights, scale): (&[f64], f64),
+        weighted: &mut Vec<Weighted<F::Change>>,
+    ) {
         weighted.clear();
         for edge in edges {
             if weights[edge] > 0.0 {
                 weighted.push(Weighted {
                     change: self.changes[edge],
-                    weight: weights[edge],
+                    weight: weights[edge] * scale,
                 });
             }
         }
@@ -255,6 +278,14 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
     #[inline]
     pub fn p_d(&self, row: usize) -> f64 {
         self.p_d[row]
+    }
+
+    /// From now on so much more than clutter is expected at each detection: a multiple of the clutter there.
+    pub fn crowd(&mut self, more: impl Iterator<Item = f64>) {
+        self.log_clutter_ratios.resize(self.detections.len(), 0.0);
+        for (ratio, more) in self.log_clutter_ratios.iter_mut().zip(more) {
+            *ratio += more.ln_1p();
+        }
     }
 
     /// ln of the density of clutter at a detection over the sensor's.
@@ -428,7 +459,7 @@ struct Writing<'a, F: Filter<K>, const K: usize> {
     beliefs: &'a mut [F::Belief],
     members: &'a [u32],
     /// Called by name: a type of its own would compile all this once more for each caller.
-    origin_of: &'a dyn Fn(u32) -> Option<u32>,
+    about: &'a dyn Fn(u32) -> About,
     watch: &'a Watch<'a>,
 }
 
@@ -446,8 +477,8 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
                 self.hypotheses.lost.push(track);
                 continue;
             };
-            let origin = (self.origin_of)(track);
-            let constants = self.likelihoods.of(|| F::kinematics(belief));
+            let About { origin, existence } = (self.about)(track);
+            let constants = self.likelihoods.of(existence, || F::kinematics(belief));
             let hypotheses = &mut *self.hypotheses;
             match &bounds {
                 None => hypotheses.push_edges(corrector, &constants, origin, &expected),

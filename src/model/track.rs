@@ -145,6 +145,8 @@ pub struct TrackPoint {
     pub nis: Option<f64>,
     /// When the tracker knew of the point, where that is later than its time: tracks may begin in the past.
     pub known_at_s: Option<f64>,
+    /// r: the probability that there was a target, where the tracker said one.
+    pub existence: Option<f64>,
     /// Of [`TrackSet::modes`]: how probable each motion model was, where the tracker had several.
     pub mode_row: Option<ModeRow>,
     pub first_candidate: u32,

@@ -284,6 +284,7 @@ fn track(
             status: None,
             nis: None,
             known_at_s: None,
+            existence: None,
             mode_row: None,
             first_candidate: 0,
             candidates: 0,

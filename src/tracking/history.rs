@@ -23,6 +23,8 @@ struct Entry {
     /// NaN where there is none.
     nis: f64,
     known_at_s: f64,
+    /// NaN where there is none.
+    existence: f64,
 }
 
 /// Entries of a piece of a long history: some megabytes.
@@ -79,6 +81,7 @@ impl Recorder for History {
                 candidates: point.candidates.len() as u32,
                 nis: point.nis.unwrap_or(f64::NAN),
                 known_at_s: point.known_at_s,
+                existence: point.existence.unwrap_or(f64::NAN),
             });
         }
     }
@@ -242,6 +245,7 @@ fn point(
         status: Some(entry.status),
         nis: Some(entry.nis).filter(|nis| !nis.is_nan()),
         known_at_s: (entry.known_at_s > scan.time_s).then_some(entry.known_at_s),
+        existence: Some(entry.existence).filter(|existence| !existence.is_nan()),
         mode_row: None,
         first_candidate: first_candidate as u32,
         candidates: entry.candidates,

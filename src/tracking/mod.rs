@@ -4,6 +4,7 @@ mod bits;
 pub mod group_tracks;
 mod history;
 mod outcome;
+pub mod poisson_multi_bernoulli;
 pub mod recorder;
 pub mod single_hypothesis;
 mod smoothing;
@@ -23,9 +24,11 @@ pub use history::History;
 pub use outcome::{Nis, ScanOutcome};
 pub use recorder::Recorder;
 pub use single_hypothesis::confirmation::{Confirmation, ScoreRule};
+pub use single_hypothesis::existence::ExistenceRule;
 pub use single_hypothesis::initiation::{Initiation, SPEED_REACH};
 pub use single_hypothesis::lifecycle::{LIFECYCLE, Lifecycle};
 pub use single_hypothesis::multi_scan::MultiScan;
+pub use single_hypothesis::undetected::{Births, Undetected};
 pub use smoothing::Smoothing;
 
 /// A multi-target tracker. Feed it scans in order of time.
@@ -98,6 +101,8 @@ pub struct TrackerParts {
     pub filter: AnyFilter,
     pub associator: Box<dyn Associator>,
     pub lifecycle: Lifecycle,
+    /// Of a tracker whose tracks begin from undetected targets.
+    pub undetected: Option<Undetected>,
     /// In the order of the recording's sensors.
     pub sensors: Vec<Sensor>,
     /// Tracks that are there from the start and never end.
@@ -118,4 +123,5 @@ pub struct GivenTrack {
 pub type BuildTracker = fn(TrackerParts) -> Box<dyn Tracker>;
 
 /// Every tracker.
-pub const TRACKERS: &[Method<BuildTracker>] = &[single_hypothesis::METHOD];
+pub const TRACKERS: &[Method<BuildTracker>] =
+    &[single_hypothesis::METHOD, poisson_multi_bernoulli::METHOD];

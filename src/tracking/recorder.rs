@@ -37,6 +37,8 @@ pub struct RecordedPoint<'a> {
     /// Index of its sensor.
     pub sensor: usize,
     pub status: TrackStatus,
+    /// r: the probability that there is a target, where the life cycle keeps one.
+    pub existence: Option<f64>,
     /// Mean of the kinematics, then the upper triangle of its covariance row by row.
     pub kinematics: &'a [f64],
     /// All that the filter believes ([`Filter::pack`](crate::filtering::Filter::pack)), where tracks are smoothed afterwards; else empty.

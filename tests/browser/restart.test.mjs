@@ -51,7 +51,7 @@ test("pages survive a restart of the service, and so does the job they show", as
   await page.bringToFront();
   await page
     .getByRole("heading", { name: "Time of deciding", exact: true })
-    .waitFor({ timeout: 60_000 });
+    .waitFor({ timeout: 180_000 });
   assert.equal(
     await page.locator(".problem").count(),
     0,

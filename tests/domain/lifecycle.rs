@@ -100,6 +100,7 @@ fn tracked(
         associator,
         lifecycle,
         sensors,
+        undetected: None,
         given: Vec::new(),
     });
     let mut history = History::default();

@@ -65,6 +65,7 @@ mod track_alignment;
 mod track_fusion;
 mod track_statistics;
 mod two_sensors;
+mod undetected;
 mod vision;
 mod volumes;
 mod wang_claims;

@@ -344,6 +344,7 @@ fn a_tracker_believes_after_every_scan_what_stone_soup_does() {
             associator: (oracle.build)(&json!({}), Seed { seed: 1, run: 0 }).unwrap(),
             lifecycle: lifecycle(&values),
             sensors: sensors.clone(),
+            undetected: None,
             given: Vec::new(),
         });
         let mut history = History::default();

@@ -109,6 +109,7 @@ fn tracked(sensors: Vec<Sensor>, scans: &[Scan]) -> Vec<Vec<f64>> {
                 .unwrap()
         },
         sensors,
+        undetected: None,
         given: vec![GivenTrack {
             name: "boat".into(),
             origin: None,

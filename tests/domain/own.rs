@@ -98,6 +98,7 @@ fn tracked(
             ..serde_json::from_value(rules.unwrap()).unwrap()
         },
         sensors: vec![sensor],
+        undetected: None,
         given: vec![GivenTrack {
             name: "target".into(),
             origin: None,

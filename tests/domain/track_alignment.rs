@@ -22,6 +22,7 @@ fn node(name: &str, points: &[(f64, [f64; 4])], estimate: impl Fn(State) -> Kine
         status: None,
         nis: None,
         known_at_s: None,
+        existence: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -248,6 +248,7 @@ fn the_recursion_finds_what_two_filters_have_in_common() {
         status: None,
         nis: None,
         known_at_s: None,
+        existence: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -9,7 +9,7 @@ use crate::experiment::request::methods::{FilterChoice, NamedFilter};
 use crate::filtering::FILTER_KIND;
 use crate::model::fault::Fault;
 use crate::registry::Kind;
-use crate::tracking::{Initiation, LIFECYCLE, Lifecycle};
+use crate::tracking::{Confirmation, Initiation, LIFECYCLE, Lifecycle, poisson_multi_bernoulli};
 
 /// Checks where the data come from and how they are tracked, if they are; tells what a simulation costs.
 pub fn check_tracking(draft: &mut Draft, takes_detector: bool) -> Cost {
@@ -46,6 +46,7 @@ fn check_lifecycle(draft: &mut Draft) {
         return;
     };
     check_directions(draft, &lifecycle);
+    check_undetected(draft, &lifecycle);
     if lifecycle.gate_probability == 1.0 {
         check_without_gate(draft, &lifecycle);
     }
@@ -79,6 +80,45 @@ fn check_directions(draft: &mut Draft, lifecycle: &Lifecycle) {
     }
     if lifecycle.max_position_sigma_m.is_some() {
         refuse("/tracker/max_position_sigma_m", "positions", "no value");
+    }
+}
+
+/// What a tracker of undetected targets does not take, and what no other does.
+fn check_undetected(draft: &mut Draft, lifecycle: &Lifecycle) {
+    let takes_it = draft.text_at("/tracker/method") == Some(poisson_multi_bernoulli::NAME);
+    if !takes_it {
+        if draft.at("/tracker/undetected").is_some() {
+            let detail = "only the method 'poisson_multi_bernoulli' knows undetected targets";
+            draft.add([
+                Fault::new("/tracker/undetected", "unsupported", detail).allowing("no value")
+            ]);
+        }
+        return;
+    }
+    if lifecycle.initiation != Initiation::OnePoint {
+        let detail = "tracks begin from undetected targets";
+        let fault = Fault::new("/tracker/initiation/method", "unsupported", detail);
+        draft.add([fault.allowing("no value, or one_point, which is not used")]);
+    }
+    if lifecycle.confirmation != Confirmation::MOfN {
+        let detail = "tracks are told by the existence that undetected.report_existence says";
+        let fault = Fault::new("/tracker/confirmation/rule", "unsupported", detail);
+        draft.add([fault.allowing("no value, or m_of_n, which is not used")]);
+    }
+    if draft.text_at("/associator/method") == Some("oracle") {
+        let detail = "an undetected target has no detection that says where it comes from";
+        let fault = Fault::new("/associator/method", "unsupported", detail);
+        draft.add([fault.allowing("any other")]);
+    }
+    let births = draft.text_at("/tracker/undetected/births/method");
+    let named = named_filter(draft).filter(|named| !named.filter.space().has_places());
+    if let (Some("uniform" | "gaussian"), Some(named)) = (births, named) {
+        let detail = format!(
+            "this needs places, which the filter '{}' does not know",
+            named.name
+        );
+        let fault = Fault::new("/tracker/undetected/births/method", "unsupported", detail);
+        draft.add([fault.allowing("counted")]);
     }
 }
 

@@ -64,6 +64,10 @@ fn confirmation_text(lifecycle: &Lifecycle) -> String {
             "confirmed by score, false_track_probability {}",
             rule.false_track_probability
         ),
+        Confirmation::Existence(rule) => format!(
+            "confirmed by a probability of existence of {}",
+            rule.confirm_existence
+        ),
     }
 }
 

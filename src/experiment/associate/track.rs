@@ -26,7 +26,7 @@ use crate::model::sight::clutter::ClutterMap;
 use crate::model::track::TrackSet;
 use crate::model::watch::Watch;
 use crate::tracking::{
-    BuildTracker, History, Initiation, Lifecycle, ScanOutcome, Tracker, TrackerParts,
+    BuildTracker, History, Initiation, Lifecycle, ScanOutcome, Tracker, TrackerParts, Undetected,
 };
 use serde_json::Value;
 use std::cell::RefCell;
@@ -195,6 +195,7 @@ struct TrackerRun<'a> {
     recording: &'a Recording,
     associator: Box<dyn Associator>,
     lifecycle: Lifecycle,
+    undetected: Option<Undetected>,
     sensors: Vec<Sensor>,
     method: &'static str,
     /// The tracks that are given to the tracker.
@@ -240,6 +241,7 @@ impl<'a> TrackerRun<'a> {
             recording,
             associator: associator.build(seed),
             lifecycle,
+            undetected: tracker.undetected.clone(),
             sensors,
             method: associator.name(),
             starts,
@@ -301,6 +303,7 @@ impl<'a> TrackerRun<'a> {
             filter: self.filter,
             associator: self.associator,
             lifecycle: self.lifecycle,
+            undetected: self.undetected,
             sensors: self.sensors,
             given,
         }))

@@ -337,6 +337,7 @@ fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
             let bare = track.points.iter().map(|point| TrackPoint {
                 sensor: Some(sensor as u32),
                 known_at_s: None,
+                existence: None,
                 mode_row: None,
                 first_candidate: 0,
                 candidates: 0,

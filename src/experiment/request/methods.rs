@@ -9,7 +9,7 @@ use crate::filtering::{AUTO, AnyFilter, FILTER_KIND, FILTERS};
 use crate::math::rng::Seed;
 use crate::model::space::Space;
 use crate::registry::{self, Method};
-use crate::tracking::{BuildTracker, Initiation, Lifecycle, TRACKERS};
+use crate::tracking::{BuildTracker, Initiation, Lifecycle, TRACKERS, Undetected};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use serde_json::{Value, json};
@@ -185,10 +185,11 @@ pub fn filter_named(method: &str) -> Value {
 }
 
 /// A tracker, and gate and life cycle of its tracks.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct TrackerSpec {
     pub build: BuildTracker,
     pub lifecycle: Lifecycle,
+    pub undetected: Option<Undetected>,
     /// Whether the request leaves the speed open that new tracks allow for.
     pub leaves_speed_open: bool,
     /// Whether recordings of a volume are tracked in the plane.
@@ -207,9 +208,11 @@ impl<'de> Deserialize<'de> for TrackerSpec {
             Initiation::Truth { .. } => false,
         };
         let method = find(TRACKERS, &value, "method").map_err(D::Error::custom)?;
+        let undetected = value.get("undetected").map(Undetected::deserialize);
         Ok(TrackerSpec {
             build: method.build,
             lifecycle,
+            undetected: undetected.transpose().map_err(D::Error::custom)?,
             leaves_speed_open,
             stays_flat: value["space"] == "plane",
         })
@@ -238,7 +241,7 @@ impl OptionalTracking {
         Some(TrackingSpec {
             associator: self.associator.clone()?,
             filter: self.filter?,
-            tracker: self.tracker?,
+            tracker: self.tracker.clone()?,
         })
     }
 }

@@ -69,6 +69,7 @@ fn point(feed: &Feed, index: usize, ground: &mut Ground) -> Option<TrackPoint> {
         status: report.status,
         nis: None,
         known_at_s: None,
+        existence: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

@@ -34,6 +34,7 @@ struct Columns {
     status: Option<usize>,
     nis: Option<usize>,
     known: Option<usize>,
+    existence: Option<usize>,
     /// As many as there are without a gap.
     modes: Vec<usize>,
     attributes: Vec<(&'static str, usize)>,
@@ -51,6 +52,7 @@ impl Columns {
             status: header.find("status"),
             nis: header.find("nis"),
             known: header.find("known_at_s"),
+            existence: header.find("existence"),
             modes: MODE_COLUMNS
                 .iter()
                 .map_while(|name| header.find(name))
@@ -361,6 +363,9 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
         status,
         nis,
         known_at_s: reader.optional_number(columns.known),
+        existence: columns
+            .existence
+            .and_then(|column| read_existence(reader, column)),
         mode_row: None,
         first_candidate: 0,
         candidates: 0,
@@ -380,6 +385,19 @@ fn read_nis(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
     Some(nis)
 }
 
+fn read_existence(reader: &mut RowReader, column: usize) -> Option<f64> {
+    let existence = reader.optional_number(Some(column))?;
+    check_probability(reader, column, existence);
+    Some(existence)
+}
+
+fn check_probability(reader: &mut RowReader, column: usize, value: f64) {
+    if !(0.0..=1.0).contains(&value) {
+        let detail = format!("{value} is not a probability");
+        reader.fault_allowing(column, "out_of_range", detail, "0 to 1");
+    }
+}
+
 /// The probabilities of the row's models; none where one is missing.
 fn read_modes(reader: &mut RowReader, columns: &Columns) -> Vec<f64> {
     let mut modes = Vec::new();
@@ -387,10 +405,7 @@ fn read_modes(reader: &mut RowReader, columns: &Columns) -> Vec<f64> {
         let Some(probability) = reader.optional_number(Some(column)) else {
             return Vec::new();
         };
-        if !(0.0..=1.0).contains(&probability) {
-            let detail = format!("{probability} is not a probability");
-            reader.fault_allowing(column, "out_of_range", detail, "0 to 1");
-        }
+        check_probability(reader, column, probability);
         modes.push(probability);
     }
     modes

@@ -1,4 +1,5 @@
-//! When a track is believed: M of its last N scans had a detection, or its score passed a threshold. The score sums what
+//! When a track is believed: M of its last N scans had a detection, its score passed a threshold, or its probability of existence
+//! did ([`super::existence`]). The score sums what
 //! each scan says for "there is a target" against "this is all clutter", and is Wald's sequential test of the two.
 //!
 //! # Reference
@@ -18,6 +19,7 @@
 //! 3. A tentative track is confirmed when L ≥ ln((1 − β) / α) and dropped when L ≤ ln(β / (1 − α)).
 //! 4. A confirmed track is deleted when L has fallen by `max_score_drop` below its highest value.
 
+use super::existence::{EXISTENCE, ExistenceRule};
 use crate::association::problem::{ScanProblem, Weights};
 use crate::registry::{Bound, Kind, Object, Union, above, default, variant};
 use crate::tracking::bits;
@@ -29,6 +31,7 @@ use serde::{Deserialize, Serialize};
 pub enum Confirmation {
     MOfN,
     Score(ScoreRule),
+    Existence(ExistenceRule),
 }
 
 /// The parameters of [`SCORE`].
@@ -79,9 +82,15 @@ const HALF: Kind = Kind::Number {
 
 pub(super) static CONFIRMATION: Union = Union {
     name: "Confirmation",
-    summary: "When a track is confirmed, and by its score deleted.",
+    summary: "When a track is confirmed, and by its score or its existence deleted.",
     tag: "rule",
-    variants: || vec![variant("m_of_n", &M_OF_N), variant("score", &SCORE)],
+    variants: || {
+        vec![
+            variant("m_of_n", &M_OF_N),
+            variant("score", &SCORE),
+            variant("existence", &EXISTENCE),
+        ]
+    },
 };
 
 /// L, and the highest that it was.

@@ -2,7 +2,8 @@
 
 use super::initiation::{Initiation, Pair, PairRule, Point};
 use super::lifecycle::{Glance, Lifecycle, TrackLifecycleState};
-use super::{ActiveTrack, SingleHypothesis};
+use super::scratch::Scratch;
+use super::{ActiveTrack, Memory, SingleHypothesis};
 use crate::association::Needs;
 use crate::filtering::Filter;
 use crate::hypotheses::Likelihoods;
@@ -42,6 +43,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         watch: &Watch,
     ) -> Result<u32, Halt> {
         let unused = self.scratch.hypotheses.unused();
+        self.count_clutter();
         let may_start = self.sensors[scan.sensor].may_start;
         if matches!(self.lifecycle.initiation, Initiation::Truth { .. }) || !may_start {
             return Ok(unused);
@@ -50,6 +52,10 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             (report, K == 4 && !report.starts_in(Space::Plane))
         {
             self.start_at_crossings(scan, bearing, recorder)?;
+            return Ok(unused);
+        }
+        if self.undetected.is_some() {
+            self.begin_undetected(scan, recorder);
             return Ok(unused);
         }
         if let Initiation::MultiScan(rule) = self.lifecycle.initiation {
@@ -119,22 +125,47 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         recorder: &mut dyn Recorder,
     ) {
         let belief = self.belief_of(point, (scan, report));
-        let track = self.start((point, point.time_s), &belief, recorder);
+        let first = self.first_glance(point.time_s, point.sensor);
+        let track = self.start((point, point.time_s), &first, &belief, recorder);
         self.memory.push(track, belief);
     }
 
+    /// A detection that is the first of a track, which is as probable as such tracks were so far.
+    fn first_glance(&self, time_s: f64, sensor: usize) -> Glance {
+        Glance {
+            existence: Some(self.memory.counted.existence()),
+            ..Glance::first(time_s, sensor)
+        }
+    }
+
+    /// Counts what is left of the detections as clutter, as far as it probably is.
+    fn count_clutter(&mut self) {
+        if self.lifecycle.existence_rule().is_none() {
+            return;
+        }
+        let Memory { counted, .. } = &mut self.memory;
+        let Scratch { left, newborn, .. } = &self.scratch;
+        let target = counted.existence();
+        for (index, left) in left.iter().enumerate() {
+            let clutter = match newborn.get(index) {
+                Some(newborn) => newborn.clutter(),
+                None => 1.0 - target,
+            };
+            counted.clutter += left * clutter;
+        }
+    }
+
     /// A new track, with its first point told.
-    fn start(
+    pub(super) fn start(
         &mut self,
         (point, known_at_s): (&Point<K>, f64),
+        first: &Glance,
         belief: &F::Belief,
         recorder: &mut dyn Recorder,
     ) -> ActiveTrack {
         let track = ActiveTrack {
             serial: self.memory.next_serial(),
-            life: self
-                .lifecycle
-                .start(&Glance::first(point.time_s, point.sensor)),
+            life: self.lifecycle.start(first),
             origin: point.origin,
         };
         self.record_start((&track, known_at_s), point, belief, recorder);
@@ -145,7 +176,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     fn start_with_two(&mut self, mut pair: Pair<K>, scan: &Scan, recorder: &mut dyn Recorder) {
         let (sensor, lifecycle) = (&self.sensors[pair.second.sensor], self.lifecycle);
         let likelihoods = Likelihoods::new(sensor, scan, lifecycle.gate_probability);
-        let constants = likelihoods.of(|| pair.second.state);
+        let constants = likelihoods.of(1.0, || pair.second.state);
         let hypotheses = &self.scratch.hypotheses;
         let more_clutter = hypotheses.log_clutter_ratio(pair.second.detection as usize);
         let second = Glance {
@@ -159,7 +190,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             log_ratio: constants.log_missed,
             ..second
         };
-        let mut life = lifecycle.start(&Glance::first(pair.first.time_s, pair.first.sensor));
+        let beginning = self.first_glance(pair.first.time_s, pair.first.sensor);
+        let mut life = lifecycle.start(&beginning);
         for _ in 0..pair.missed {
             lifecycle.advance(&mut life, &between);
         }
@@ -176,7 +208,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let first = self.filter.begin(&pair.first.in_scan());
         let track = ActiveTrack {
             life,
-            ..self.start((&pair.first, scan.time_s), &first, recorder)
+            ..self.start((&pair.first, scan.time_s), &beginning, &first, recorder)
         };
         let second = Point {
             state: pair.state,
@@ -195,6 +227,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         belief: &F::Belief,
         recorder: &mut dyn Recorder,
     ) {
+        if !self.lifecycle.tells(&track.life) {
+            return;
+        }
         let kept = self.lifecycle.smoothing.map(|_| belief);
         self.scratch.pack(&point.in_scan(), kept);
         recorder.point(&RecordedPoint {
@@ -204,6 +239,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             known_at_s,
             sensor: point.sensor,
             status: track.life.status(),
+            existence: self.lifecycle.existence_of(&track.life),
             kinematics: &self.scratch.kinematics,
             belief: &self.scratch.belief,
             nis: None,

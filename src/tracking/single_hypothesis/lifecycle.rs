@@ -1,11 +1,11 @@
 //! The life of a track: started by detections that no track used ([`super::initiation`]), confirmed by hits or by score
-//! ([`super::confirmation`]), deleted after `max_missed` scans in a row without a detection or after `max_missed_s` without
+//! or by their probability of existence ([`super::confirmation`]), deleted after `max_missed` scans in a row without a detection or after `max_missed_s` without
 //! one, when its score says so, or when its position has become too uncertain (which also ends a track of a soft associator,
 //! whose weights may never be a miss).
 //! A track that was given at the start is confirmed from then on and never deleted: a lost one is to be judged, not forgotten.
 //!
 //! Confirmed tracks choose among all detections of a scan first, tentative ones among what is left, and what no track used
-//! goes to the initiation. So a detection inside a confirmed track's gate starts a track only if it stayed unused by all. A
+//! goes to the initiation; where tracks have a probability of existence, all choose together. So a detection inside a confirmed track's gate starts a track only if it stayed unused by all. A
 //! track that ends does so before the scan, and uses none of its detections.
 //!
 //! # What a miss counts
@@ -26,7 +26,9 @@
 //! of all its detections together exceed that of none.
 
 use super::confirmation::{CONFIRMATION, Confirmation, Score};
+use super::existence::{ExistenceRule, by_ratio, survival};
 use super::initiation::{INITIATION, Initiation};
+use super::undetected::UNDETECTED;
 use crate::model::track::TrackStatus;
 use crate::registry::{Kind, Object, above, check, default, optional, whole};
 use crate::tracking::bits;
@@ -41,8 +43,8 @@ pub static LIFECYCLE: Object = Object {
     fields: &[
         default(
             "method",
-            "What turns scans into tracks: single_hypothesis decides after each scan which detections continue which track, for good.",
-            Kind::Choice(&[super::NAME]),
+            "What turns scans into tracks: single_hypothesis decides after each scan which detections continue which track, for good; poisson_multi_bernoulli does so, too, with a probability of existence for each track and a Poisson process of targets that were never detected (Williams 2015). Of the fields that follow it uses those of gate, position, space, speed and smoothing, and undetected.",
+            Kind::Choice(&[super::NAME, super::super::poisson_multi_bernoulli::NAME]),
             r#""single_hypothesis""#,
         ),
         default(
@@ -100,6 +102,11 @@ pub static LIFECYCLE: Object = Object {
             "initial_speed_sigma_mps",
             "Standard deviation of each velocity component of a track of one point, which starts at rest. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
             above(0.0, 1e5, "m/s"),
+        ),
+        optional(
+            "undetected",
+            "Of the method poisson_multi_bernoulli: targets that were never detected.",
+            Kind::Object(&UNDETECTED),
         ),
         optional(
             "smoothing",
@@ -164,6 +171,9 @@ pub(super) struct TrackLifecycleState {
     /// Whether no rule of deletion applies to it.
     is_permanent: bool,
     score: Score,
+    /// r.
+    #[serde(with = "bits")]
+    existence: f64,
 }
 
 /// What a scan is to a track.
@@ -179,6 +189,8 @@ pub(super) struct Glance {
     pub share: f64,
     /// What the scan adds to the score; matters only when [`Lifecycle::is_scored`].
     pub log_ratio: f64,
+    /// r after the scan, where that says more than `log_ratio`.
+    pub existence: Option<f64>,
 }
 
 /// A track that its last sensor does not see ends after so many times `max_missed` of its scans.
@@ -196,6 +208,7 @@ impl Glance {
             finds_targets: false,
             share: 1.0,
             log_ratio: 0.0,
+            existence: None,
         }
     }
 }
@@ -224,10 +237,7 @@ impl Lifecycle {
         }
         life.is_over |= match self.max_missed_s {
             Some(limit_s) => glance.time_s - life.last_time_s > limit_s,
-            None => {
-                life.missed >= f64::from(self.max_missed)
-                    || life.unseen >= UNSEEN.saturating_mul(self.max_missed)
-            }
+            None => self.is_lost(life),
         };
         match &self.confirmation {
             Confirmation::MOfN => {
@@ -239,8 +249,33 @@ impl Lifecycle {
                 life.is_confirmed |= rule.is_confirmed(&life.score);
                 life.is_over |= rule.is_over(&life.score, life.is_confirmed);
             }
+            Confirmation::Existence(rule) if !life.is_permanent => {
+                let by_ratio = || by_ratio(life.existence, glance.log_ratio);
+                life.existence = glance.existence.unwrap_or_else(by_ratio);
+                life.is_confirmed |= life.existence >= rule.confirm_existence;
+                life.is_over |= life.existence <= rule.delete_existence;
+            }
+            Confirmation::Existence(_) => {}
         }
         life.is_over &= !life.is_permanent;
+    }
+
+    /// Whether too many scans missed the track; its existence takes account of each miss by itself.
+    fn is_lost(&self, life: &TrackLifecycleState) -> bool {
+        let is_missed = self.existence_rule().is_none();
+        (is_missed && life.missed >= f64::from(self.max_missed))
+            || life.unseen >= UNSEEN.saturating_mul(self.max_missed)
+    }
+
+    /// Whether a sensor is taken to see a track, so that a miss tells something.
+    pub(super) fn sees(
+        &self,
+        life: &TrackLifecycleState,
+        sensor: usize,
+        finds_targets: bool,
+    ) -> bool {
+        let saw = (life.seen_by[0] | life.seen_by[1]) & (1 << sensor.min(63)) != 0;
+        saw || (finds_targets && !life.is_confirmed)
     }
 
     /// Counts a detection or a miss, and tells what a miss counts.
@@ -258,8 +293,7 @@ impl Lifecycle {
             (life.last_sensor, life.last_time_s) = (glance.sensor as u32, glance.time_s);
             return 0.0;
         }
-        let saw = (life.seen_by[0] | life.seen_by[1]) & bit != 0;
-        let sees = saw || (glance.finds_targets && !life.is_confirmed);
+        let sees = self.sees(life, glance.sensor, glance.finds_targets);
         let share = if sees { glance.share.min(1.0) } else { 0.0 };
         life.missed += share;
         let is_last = glance.sensor as u32 == life.last_sensor;
@@ -282,6 +316,25 @@ impl Lifecycle {
     /// Whether tracks are judged by their score.
     pub(super) fn is_scored(&self) -> bool {
         matches!(self.confirmation, Confirmation::Score(_))
+    }
+
+    /// Whether a point of a track is told.
+    pub(super) fn tells(&self, life: &TrackLifecycleState) -> bool {
+        let rule = self.existence_rule();
+        rule.is_none_or(|rule| life.is_permanent || life.existence > rule.report_existence)
+    }
+
+    /// r, where tracks have one.
+    pub(super) fn existence_of(&self, life: &TrackLifecycleState) -> Option<f64> {
+        self.existence_rule().map(|_| life.existence)
+    }
+
+    /// By which tracks have a probability of existence.
+    pub(super) fn existence_rule(&self) -> Option<&ExistenceRule> {
+        match &self.confirmation {
+            Confirmation::Existence(rule) => Some(rule),
+            _ => None,
+        }
     }
 }
 
@@ -311,7 +364,20 @@ impl TrackLifecycleState {
             is_over: false,
             is_permanent: true,
             score: Score::default(),
+            existence: 1.0,
         }
+    }
+
+    /// Goes on for `dt_s`, in which the target may have ceased to be.
+    pub(super) fn survive(&mut self, rule: &ExistenceRule, dt_s: f64) {
+        if !self.is_permanent {
+            self.existence *= survival(dt_s, rule.lifetime_s);
+        }
+    }
+
+    /// r.
+    pub(super) fn existence(&self) -> f64 {
+        self.existence
     }
 
     /// Ends the track with this scan.

@@ -2,10 +2,11 @@
 //!
 //! # Method
 //! Predict → gate → associate → update → manage, once a scan, first the confirmed tracks, then the tentative ones with what is
-//! left; unused detections start tracks.
+//! left; unused detections start tracks. Tracks with a probability of existence are served all at once.
 
 pub mod confirmation;
 mod crossing;
+pub mod existence;
 mod initiate;
 pub mod initiation;
 pub mod lifecycle;
@@ -13,6 +14,7 @@ mod members;
 pub mod multi_scan;
 mod scratch;
 mod sight;
+pub mod undetected;
 mod written;
 
 use super::recorder::{RecordedPoint, Recorder};
@@ -21,7 +23,7 @@ use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::ScanProblem;
 use crate::association::{Associator, Trace};
 use crate::filtering::{Filter, WithFilter};
-use crate::hypotheses::{Look, bounds};
+use crate::hypotheses::{About, Look, bounds};
 use crate::model::fault::Fault;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
@@ -31,12 +33,14 @@ use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
 use crate::registry::Method;
 use crossing::Ray;
+use existence::{Counted, Posterior};
 use initiate::pair_rule;
 use initiation::{Initiation, Initiator, PairRule};
 use lifecycle::{Glance, LIFECYCLE, Lifecycle, TrackLifecycleState};
 use multi_scan::Beginnings;
 use scratch::Scratch;
 use sight::{highest_p_d, new_map};
+use undetected::{Intensity, Undetected};
 
 const NAME: &str = "single_hypothesis";
 
@@ -44,10 +48,18 @@ pub const METHOD: Method<BuildTracker> = Method {
     name: NAME,
     parameters: &LIFECYCLE,
     build: |parts| {
-        let filter = parts.filter;
-        filter.with(Building(parts))
+        build(TrackerParts {
+            undetected: None,
+            ..parts
+        })
     },
 };
+
+/// The tracker of these parts; tracks begin from undetected targets where there are such.
+pub(super) fn build(parts: TrackerParts) -> Box<dyn Tracker> {
+    let filter = parts.filter;
+    filter.with(Building(parts))
+}
 
 /// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
 /// confirmed one used it, nor does it start a track. One that all tracks weigh less explains too little of any of them.
@@ -77,6 +89,10 @@ struct Memory<B, const K: usize> {
     scans: u32,
     initiator: Initiator<K>,
     beginnings: Beginnings<B, K>,
+    /// Targets that were never detected.
+    intensity: Intensity<B>,
+    /// What became of detections that no track wanted.
+    counted: Counted,
     /// Bearings that no track used, of the last scan of each sensor.
     rays: Vec<Vec<Ray>>,
     nis: Nis,
@@ -91,6 +107,8 @@ struct SingleHypothesis<F: Filter<K>, const K: usize> {
     filter: F,
     associator: Box<dyn Associator>,
     lifecycle: Lifecycle,
+    /// How tracks begin in place of the life cycle's initiation.
+    undetected: Option<Undetected>,
     sensors: Vec<Sensor>,
     /// Of all sensors.
     highest_p_d: f64,
@@ -131,6 +149,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             pair_rule: pair_rule(&lifecycle, needs, K),
             associator: parts.associator,
             lifecycle,
+            undetected: parts.undetected,
             highest_p_d: highest_p_d(&parts.sensors),
             beginner: GlobalNearestNeighbour::default(),
             memory: Memory {
@@ -142,6 +161,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 scans: 0,
                 initiator: Initiator::default(),
                 beginnings: Beginnings::default(),
+                intensity: Intensity::default(),
+                counted: Counted::default(),
                 rays: Vec::new(),
                 nis: Nis::default(),
                 finders: 0,
@@ -179,10 +200,13 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         };
         let hypotheses = &mut self.scratch.hypotheses;
         let members = &self.scratch.members[part];
-        let origin_of = |track: u32| tracks[track as usize].origin;
+        let about = |track: u32| About {
+            origin: tracks[track as usize].origin,
+            existence: tracks[track as usize].life.existence(),
+        };
         // Each scan has two problems: of the confirmed tracks, then of the others.
         let problem_index = 2 * *scans + part as u32;
-        hypotheses.write(look, problem_index, (beliefs, members), &origin_of, watch)?;
+        hypotheses.write(look, problem_index, (beliefs, members), &about, watch)?;
         for &track in hypotheses.lost() {
             tracks[track as usize].life.end();
         }
@@ -228,6 +252,8 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
 
     /// Updates the track of one row by its weights, and tells what was decided.
     fn update(&mut self, row: usize, scan: &Scan, recorder: &mut dyn Recorder) {
+        let posterior = self.posterior(row, scan);
+        let scale = posterior.map_or(1.0, |posterior| posterior.scale);
         let Scratch {
             hypotheses,
             weights,
@@ -243,14 +269,14 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let index = hypotheses.track(row);
         hypotheses.update(
             row,
-            &weights.edges,
+            (&weights.edges, scale),
             weighted,
             &mut self.memory.beliefs[index],
         );
         candidates.clear();
         let (mut detected, mut weighted_nis) = (0.0, 0.0);
         for edge in hypotheses.problem().rows()[row].edges() {
-            let weight = weights.edges[edge];
+            let weight = weights.edges[edge] * scale;
             if weight > 0.0 {
                 detected += weight;
                 weighted_nis += weight * hypotheses.fit(edge);
@@ -260,7 +286,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 });
             }
         }
-        let missed = weights.missed[row];
+        let missed = posterior.map_or(weights.missed[row], |posterior| posterior.missed);
         if missed > 0.0 {
             candidates.push(Candidate {
                 detection: None,
@@ -279,12 +305,17 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             finds_targets,
             share: hypotheses.p_d(row) / self.highest_p_d,
             log_ratio,
+            existence: posterior.map(|posterior| posterior.existence),
         };
         self.lifecycle.advance(&mut track.life, &glance);
         self.lifecycle
             .limit(&mut track.life, || F::kinematics(belief).covariance);
+        let (is_over, is_confirmed) = (track.life.is_over(), track.life.is_confirmed());
+        if is_confirmed && !was_confirmed {
+            self.memory.counted.targets += 1.0;
+        }
         // One that ends does so before this scan: what nobody carries on is not a track any more, and uses nothing.
-        if !track.life.is_over() {
+        if !is_over {
             self.mark_used();
             if was_confirmed && detected > 0.0 {
                 self.memory.nis.add(weighted_nis, detected);
@@ -295,6 +326,22 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             let nis = (detected > 0.0).then(|| weighted_nis / detected);
             self.record(index, scan, nis, recorder);
         }
+    }
+
+    /// What the scan leaves of the existence of a row's track, if it has one.
+    fn posterior(&self, row: usize, scan: &Scan) -> Option<Posterior> {
+        self.lifecycle.existence_rule()?;
+        let hypotheses = &self.scratch.hypotheses;
+        let life = &self.memory.tracks[hypotheses.track(row)].life;
+        let finds_targets = self.memory.finders & (1 << scan.sensor.min(63)) != 0;
+        let sees = self.lifecycle.sees(life, scan.sensor, finds_targets);
+        let detectable = hypotheses.p_d(row) * self.lifecycle.gate_probability;
+        Some(existence::after(
+            (hypotheses.problem(), &self.scratch.weights, row),
+            life.existence(),
+            if sees { detectable } else { 0.0 },
+            self.associator.is_soft(),
+        ))
     }
 
     fn mark_used(&mut self) {
@@ -315,6 +362,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     /// Tells the recorder of a track at this scan, with the candidates at hand.
     fn record(&mut self, index: usize, scan: &Scan, nis: Option<f64>, recorder: &mut dyn Recorder) {
         let (track, belief) = (&self.memory.tracks[index], &self.memory.beliefs[index]);
+        if !self.lifecycle.tells(&track.life) {
+            return;
+        }
         let kept = self.lifecycle.smoothing.map(|_| belief);
         self.scratch.pack(&F::kinematics(belief), kept);
         recorder.point(&RecordedPoint {
@@ -324,6 +374,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             known_at_s: scan.time_s,
             sensor: scan.sensor,
             status: track.life.status(),
+            existence: self.lifecycle.existence_of(&track.life),
             kinematics: &self.scratch.kinematics,
             belief: &self.scratch.belief,
             nis,
@@ -375,12 +426,15 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
             self.memory.started
         };
         let report = self.sensors[scan.sensor].report_in(scan);
+        self.survive(scan.time_s - last_s);
         self.begin(scan, &report);
+        self.expect_undetected((scan, &report), scan.time_s - last_s, watch)?;
         self.sort_members();
         for (part, is_confirmed) in [(0, true), (1, false)] {
             self.hypothesise(part, (scan, &report, &step), watch)?;
             self.associate(is_confirmed, scan, recorder, watch)?;
             if is_confirmed {
+                self.count_left(scan);
                 self.learn_clutter(scan);
             }
         }
@@ -428,6 +482,7 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
             filter: self.filter,
             associator: self.associator.fork(),
             lifecycle: self.lifecycle,
+            undetected: self.undetected.clone(),
             sensors: self.sensors.clone(),
             highest_p_d: self.highest_p_d,
             beginner: GlobalNearestNeighbour::default(),

@@ -1,5 +1,6 @@
 //! Memory that the tracker writes anew at each scan.
 
+use super::undetected::Newborn;
 use crate::association::Needs;
 use crate::association::problem::Weights;
 use crate::filtering::{Filter, Weighted};
@@ -17,8 +18,10 @@ pub(super) struct Scratch<F: Filter<K>, const K: usize> {
     /// Of the point that is told.
     pub kinematics: Vec<f64>,
     pub belief: Vec<f64>,
-    /// What of each detection the confirmed tracks left over.
+    /// What of each detection the tracks left over that chose first.
     pub left: Vec<f64>,
+    /// What each detection would make of undetected targets.
+    pub newborn: Vec<Newborn<F::Belief, K>>,
 }
 
 impl<F: Filter<K>, const K: usize> Scratch<F, K> {
@@ -32,6 +35,7 @@ impl<F: Filter<K>, const K: usize> Scratch<F, K> {
             kinematics: Vec::new(),
             belief: Vec::new(),
             left: Vec::new(),
+            newborn: Vec::new(),
         }
     }
 

@@ -21,15 +21,12 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         });
     }
 
-    /// Learns the clutter of a scan from what the confirmed tracks left over.
-    pub(super) fn learn_clutter(&mut self, scan: &Scan) {
-        let sensor = &self.sensors[scan.sensor];
-        let (Some(sight), Some(map)) = (&sensor.sight, &mut self.memory.maps[scan.sensor]) else {
+    /// What the tracks that chose first leave of each detection, where somebody wants to know.
+    pub(super) fn count_left(&mut self, scan: &Scan) {
+        let learns = self.memory.maps[scan.sensor].is_some();
+        if !learns && self.lifecycle.existence_rule().is_none() {
             return;
-        };
-        let Some(ClutterPlan::Map(plan)) = &sight.clutter else {
-            return;
-        };
+        }
         let super::scratch::Scratch {
             hypotheses,
             weights,
@@ -42,7 +39,18 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             let left = &mut left[edge.detection as usize];
             *left = (*left - weight).max(0.0);
         }
-        let from_m = sight.place_in(scan);
+    }
+
+    /// Learns the clutter of a scan from what the confirmed tracks left over.
+    pub(super) fn learn_clutter(&mut self, scan: &Scan) {
+        let sensor = &self.sensors[scan.sensor];
+        let (Some(sight), Some(map)) = (&sensor.sight, &mut self.memory.maps[scan.sensor]) else {
+            return;
+        };
+        let Some(ClutterPlan::Map(plan)) = &sight.clutter else {
+            return;
+        };
+        let (from_m, left) = (sight.place_in(scan), &self.scratch.left);
         map.learn(plan, (scan, &from_m), left, sensor.clutter_density);
     }
 }

@@ -1,9 +1,11 @@
 //! A tracker written down as JSON, every number by its bits.
 
 use super::crossing::Ray;
+use super::existence::Counted;
 use super::initiation::{Initiator, Point, Waiting};
 use super::lifecycle::TrackLifecycleState;
 use super::multi_scan::{Beginnings, WrittenBeginnings};
+use super::undetected::{Intensity, WrittenIntensity};
 use super::{ActiveTrack, Memory};
 use crate::association::Associator;
 use crate::filtering::Filter;
@@ -16,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Changes whenever older writing is not understood any more.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 #[derive(Serialize, Deserialize)]
 struct Written {
@@ -31,6 +33,8 @@ struct Written {
     waiting: Vec<Vec<WrittenPoint>>,
     /// Of each sensor.
     beginnings: Vec<WrittenBeginnings>,
+    intensity: WrittenIntensity,
+    counted: Counted,
     /// Of each sensor.
     #[serde(default)]
     rays: Vec<Vec<WrittenRay>>,
@@ -90,6 +94,8 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
             .map(|points| points.iter().map(write_waiting).collect())
             .collect(),
         beginnings: memory.beginnings.write::<F>(),
+        intensity: memory.intensity.write::<F, K>(),
+        counted: memory.counted,
         rays: memory
             .rays
             .iter()
@@ -134,6 +140,9 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         initiator: Initiator::default(),
         beginnings: Beginnings::read::<F>(&written.beginnings)
             .ok_or_else(|| refuse(&"a beginning"))?,
+        intensity: Intensity::read::<F, K>(&written.intensity)
+            .ok_or_else(|| refuse(&"an intensity"))?,
+        counted: written.counted,
         rays: Vec::with_capacity(written.rays.len()),
         nis: written.nis,
         finders: written.finders,

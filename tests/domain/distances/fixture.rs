@@ -230,6 +230,7 @@ pub fn track_point(time_s: f64, state: State, covariance: Option<Covariance>) ->
         status: None,
         nis: None,
         known_at_s: None,
+        existence: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

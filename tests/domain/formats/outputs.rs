@@ -366,6 +366,7 @@ fn tracks_of_stone_soup_are_sorted_by_time_and_a_column_is_full_or_absent() {
         status: Some(TrackStatus::Confirmed),
         nis: None,
         known_at_s: None,
+        existence: None,
         mode_row: None,
         first_candidate: 0,
         candidates: 0,

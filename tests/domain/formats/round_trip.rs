@@ -325,6 +325,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         status: status.map(|index| TrackStatus::ALL[index].0),
         nis: status.map(|_| x.abs()),
         known_at_s: status.filter(|index| index % 2 == 0).map(|_| time_s + 1.5),
+        existence: status.map(|_| 1.0 - share),
         mode_row: status.and_then(|_| set.modes.push(&[share, 1.0 - share])),
         first_candidate: first_candidate as u32,
         candidates: (set.candidates.len() - first_candidate) as u32,

@@ -80,6 +80,7 @@ pub fn track(
         filter: *filter,
         associator: Box::new(GlobalNearestNeighbour::default()),
         lifecycle,
+        undetected: tracker.undetected.clone(),
         sensors: sensors.clone(),
         given: Vec::new(),
     });

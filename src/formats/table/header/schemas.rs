@@ -103,6 +103,7 @@ pub const TRACKS: Schema = Schema {
         "status",
         "nis",
         "known_at_s",
+        "existence",
         "mode_1",
         "mode_2",
         "mode_3",
@@ -110,7 +111,7 @@ pub const TRACKS: Schema = Schema {
         "mode_5",
         "mode_6",
     ],
-    unused: &["z_m", "bearing_deg", "bearing_rate_degps", "existence"],
+    unused: &["z_m", "bearing_deg", "bearing_rate_degps"],
     together: &[&VELOCITY, &COVARIANCE],
 };
 
@@ -147,6 +148,7 @@ pub const TRACKS_IN_VOLUME: Schema = Schema {
         "status",
         "nis",
         "known_at_s",
+        "existence",
         "mode_1",
         "mode_2",
         "mode_3",
@@ -154,7 +156,7 @@ pub const TRACKS_IN_VOLUME: Schema = Schema {
         "mode_5",
         "mode_6",
     ],
-    unused: &["bearing_deg", "bearing_rate_degps", "existence"],
+    unused: &["bearing_deg", "bearing_rate_degps"],
     together: &[&VOLUME_VELOCITY, &VOLUME_COVARIANCE],
 };
 
@@ -172,8 +174,9 @@ pub const BEARING_TRACKS: Schema = Schema {
         "status",
         "nis",
         "known_at_s",
+        "existence",
     ],
-    unused: &["existence"],
+    unused: &[],
     together: &[&BEARING_COVARIANCE],
 };
 

@@ -46,6 +46,7 @@ struct Layout {
     status: bool,
     nis: bool,
     known: bool,
+    existence: bool,
     modes: usize,
 }
 
@@ -63,6 +64,7 @@ impl Layout {
             status: has(|point| point.status.is_some()),
             nis: has(|point| point.nis.is_some()),
             known: has(|point| point.known_at_s.is_some()),
+            existence: has(|point| point.existence.is_some()),
             modes: if has(|point| point.mode_row.is_some()) {
                 set.modes.modes().min(MAX_MODES)
             } else {
@@ -84,6 +86,7 @@ impl Layout {
         columns.extend(self.status.then_some("status"));
         columns.extend(self.nis.then_some("nis"));
         columns.extend(self.known.then_some("known_at_s"));
+        columns.extend(self.existence.then_some("existence"));
         columns.extend(&MODE_COLUMNS[..self.modes]);
         columns
     }
@@ -141,6 +144,9 @@ fn write_row(
     }
     if layout.known {
         sink.number(point.known_at_s)?;
+    }
+    if layout.existence {
+        sink.number(point.existence)?;
     }
     let modes = set.modes_of(point);
     for mode in 0..layout.modes {

@@ -5,6 +5,7 @@ use crate::filtering::Filter;
 use crate::math::set_packing;
 use crate::model::track::Candidate;
 use crate::tracking::recorder::{RecordedPoint, Recorder};
+use crate::tracking::single_hypothesis::existence::by_ratio;
 use crate::tracking::single_hypothesis::lifecycle::{Glance, TrackLifecycleState};
 use crate::tracking::single_hypothesis::{ActiveTrack, SingleHypothesis};
 
@@ -101,6 +102,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 recorder,
             );
         }
+        if life.is_confirmed() {
+            self.memory.counted.targets += 1.0;
+        }
         self.memory.push(track, last.belief);
         true
     }
@@ -111,7 +115,10 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let mut lives: Vec<TrackLifecycleState> = Vec::with_capacity(nodes.len());
         for (layer, node) in nodes {
             let life = match lives.last() {
-                None => self.lifecycle.start(&Glance::first(layer.time_s, sensor)),
+                None => self.lifecycle.start(&Glance {
+                    existence: Some(by_ratio(0.5, node.score)),
+                    ..Glance::first(layer.time_s, sensor)
+                }),
                 Some(before) => {
                     let mut life = *before;
                     let glance = Glance {
@@ -121,6 +128,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                         finds_targets,
                         share: node.share,
                         log_ratio: node.log_ratio,
+                        existence: None,
                     };
                     self.lifecycle.advance(&mut life, &glance);
                     life
@@ -158,6 +166,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             known_at_s: known_s,
             sensor,
             status: life.status(),
+            existence: self.lifecycle.existence_of(life),
             kinematics: &self.scratch.kinematics,
             belief: &self.scratch.belief,
             nis: node.nis,

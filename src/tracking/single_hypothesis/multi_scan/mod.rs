@@ -30,7 +30,7 @@ use super::SingleHypothesis;
 use super::initiation::{Point, SPEED_REACH, reach_m};
 use super::lifecycle::Lifecycle;
 use crate::filtering::Filter;
-use crate::hypotheses::Look;
+use crate::hypotheses::{About, Look};
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
@@ -221,10 +221,13 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             scan,
             step: &self.filter.step(scan.time_s - last.time_s),
         };
-        let origin_of = |leaf: u32| last.nodes[leaf as usize].origin;
+        let about = |leaf: u32| About {
+            origin: last.nodes[leaf as usize].origin,
+            ..About::default()
+        };
         let reach = Reach::new::<K>(rule, &self.lifecycle);
         let hypotheses = &mut self.scratch.hypotheses;
-        hypotheses.write(look, 0, (&mut beliefs, &members), &origin_of, watch)?;
+        hypotheses.write(look, 0, (&mut beliefs, &members), &about, watch)?;
         for row in 0..hypotheses.problem().rows().len() {
             let leaf = hypotheses.track(row);
             let way = Way {
