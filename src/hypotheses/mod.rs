@@ -10,10 +10,12 @@ pub mod bounds;
 pub mod certain;
 mod detections;
 mod likelihood_constants;
+mod look;
 mod own;
 pub mod region;
 
 pub use likelihood_constants::{LikelihoodConstants, Likelihoods};
+pub use look::{About, Look};
 
 use crate::association::Needs;
 use crate::association::problem::{Edge, ScanProblem};
@@ -22,7 +24,6 @@ use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::model::own::Own;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
-use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
 use crate::model::watch::{Halt, Watch};
 use detections::Detections;
@@ -49,36 +50,6 @@ pub struct Hypotheses<F: Filter<K>, const K: usize> {
     near: Vec<u32>,
     /// Tracks of which nothing can be expected any more.
     lost: Vec<u32>,
-}
-
-/// What is known of a track besides its belief.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct About {
-    /// The target that its first detection came from.
-    pub origin: Option<u32>,
-    /// r: the probability that it has a target.
-    pub existence: f64,
-}
-
-impl Default for About {
-    fn default() -> Self {
-        About {
-            origin: None,
-            existence: 1.0,
-        }
-    }
-}
-
-/// A look of a sensor at tracks.
-#[derive(Clone, Copy)]
-pub struct Look<'a, F, S> {
-    pub filter: &'a F,
-    pub sensor: &'a Sensor,
-    /// What the sensor reports in this scan.
-    pub report: &'a MeasurementModel,
-    pub scan: &'a Scan,
-    /// From the scan before to this one.
-    pub step: &'a S,
 }
 
 impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {

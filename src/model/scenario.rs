@@ -250,6 +250,8 @@ pub enum TargetPlan {
     Bearings(BearingTargets),
     /// Targets in rows and columns that fly one random course.
     Formation(FormationTargets),
+    /// Targets that are close to each other at one time.
+    Meeting(MeetingTargets),
     /// The targets of the job's truth, as they were recorded.
     Recorded(RecordedTargets),
 }
@@ -272,6 +274,7 @@ impl TargetPlan {
             TargetPlan::Maneuvering { targets } => targets.len(),
             TargetPlan::Bearings(plan) => 2 * plan.crossings.len() + plan.lines.len(),
             TargetPlan::Formation(plan) => plan.rows as usize * plan.columns as usize,
+            TargetPlan::Meeting(plan) => plan.count as usize,
             // How many there are, the recording says.
             TargetPlan::Recorded(_) => 0,
         }
@@ -285,6 +288,22 @@ pub struct RandomTargets {
     pub area_side_m: f64,
     pub speed_min_mps: f64,
     pub speed_max_mps: f64,
+}
+
+/// Targets of nearly constant velocity that are close to each other at one time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeetingTargets {
+    pub count: u32,
+    /// So many are gone at the meeting.
+    pub leaving: u32,
+    pub meeting_s: f64,
+    pub x_m: f64,
+    pub y_m: f64,
+    /// Standard deviation of each coordinate there.
+    pub sigma_m: f64,
+    /// Of each component of the velocity there.
+    pub speed_sigma_mps: f64,
+    pub process_noise_m2ps3: f64,
 }
 
 /// Names of the recordings that come with the program.

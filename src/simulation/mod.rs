@@ -6,6 +6,7 @@ mod course;
 mod coverage;
 mod echoes;
 mod local_tracks;
+mod meeting;
 mod radar;
 mod recorded;
 mod sensors;
@@ -75,7 +76,14 @@ pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
         }
         TargetPlan::Maneuvering { targets } => faults.extend(maneuvering_faults(targets)),
         TargetPlan::Bearings(plan) => faults.extend(bearing_faults(plan)),
-        TargetPlan::Formation(_) => {}
+        TargetPlan::Meeting(plan) if plan.leaving > plan.count => {
+            let detail = format!("{} targets cannot leave of {}", plan.leaving, plan.count);
+            faults.push(
+                Fault::new("/targets/leaving", "out_of_range", detail)
+                    .allowing(format!("<= {} (count)", plan.count)),
+            );
+        }
+        TargetPlan::Formation(_) | TargetPlan::Meeting(_) => {}
         TargetPlan::Recorded(_) => faults.extend(recorded::fault(scenario)),
     }
     faults.extend(coverage::fault(scenario));

@@ -2,6 +2,7 @@
 //! where they may weave; or bearings that follow a law.
 
 use super::course::Course;
+use super::meeting;
 use super::spline::Spline;
 use super::weaving::Weave;
 use crate::math::rng::{Purpose, Seed};
@@ -75,7 +76,7 @@ impl Path {
         }
     }
 
-    /// A target that was recorded.
+    /// A target that goes along a curve: one that was recorded, or that meets others.
     pub fn recorded(truth_id: String, spline: Spline) -> Self {
         Path {
             truth_id,
@@ -153,6 +154,14 @@ pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
         TargetPlan::Maneuvering { targets } => targets.iter().map(maneuvering_path).collect(),
         TargetPlan::Bearings(plan) => bearing_paths(plan),
         TargetPlan::Formation(plan) => formation(plan, seed),
+        TargetPlan::Meeting(plan) => {
+            let curves = meeting::curves(plan, scenario, seed)
+                .into_iter()
+                .enumerate();
+            curves
+                .map(|(index, curve)| Path::recorded((index + 1).to_string(), curve))
+                .collect()
+        }
         // Those come from the recording.
         TargetPlan::Recorded(_) => Vec::new(),
     }

@@ -149,6 +149,14 @@ fn speeds_of_scenario(scenario: &Scenario) -> Option<Speeds> {
             )
         }
         TargetPlan::Formation(plan) => (plan.speed_mps.powi(2), plan.speed_mps),
+        // At the meeting, and what the noise adds until the first or the last scan.
+        TargetPlan::Meeting(plan) => {
+            let duration_s = f64::from(scenario.scans) * scenario.scan_period_s;
+            let away_s = plan.meeting_s.max(duration_s - plan.meeting_s);
+            let noise = plan.process_noise_m2ps3 * away_s.min(duration_s);
+            let variance = plan.speed_sigma_mps.powi(2) + noise;
+            (2.0 * variance, SPEED_REACH * variance.sqrt())
+        }
         TargetPlan::Bearings(_) | TargetPlan::Recorded(_) => return None,
     };
     let sigma_mps = (mean_square / 2.0)

@@ -7,6 +7,7 @@ mod huo2008_claims;
 mod liang2009;
 mod maneuvers;
 mod own_ship;
+mod random_sets;
 mod recorded;
 mod two_radars;
 mod wang_bat;
@@ -58,7 +59,7 @@ pub const PAPERS: &[&str] = &[
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 13] = [
+const FAMILIES: [(&str, MakePresets); 14] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("cai-fuzzy-", cai_fuzzy_claims::presets),
@@ -72,6 +73,7 @@ const FAMILIES: [(&str, MakePresets); 13] = [
     ("maneuver-10hz", maneuvers::ten_hertz),
     ("two-radars", two_radars::presets),
     ("own-ship-", own_ship::presets),
+    ("williams2015", random_sets::williams),
 ];
 
 /// Every preset.

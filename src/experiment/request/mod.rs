@@ -11,3 +11,4 @@ pub mod preset_source;
 pub mod scenario;
 mod sight;
 pub mod sources;
+mod targets;

@@ -86,6 +86,8 @@ pub struct TrackProbabilityColumns {
     pub status: Vec<Option<String>>,
     /// Normalised innovation squared of the track's update at this scan; null where it had no detection to update with.
     pub nis: Vec<Option<f64>>,
+    /// The probability that the track had a target; null where the tracks do not say.
+    pub existence: Vec<Option<f64>>,
 }
 
 /// One row for each scan.
@@ -155,6 +157,7 @@ fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySer
         probability: kept.column(|row| rows[row].2.probability),
         status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
         nis: kept.column(|row| rows[row].1.nis),
+        existence: kept.column(|row| rows[row].1.existence),
     };
     TrackProbabilitySeries {
         name: TrackProbabilityName::TrackProbability,
@@ -254,8 +257,8 @@ mod tests {
 
     fn layers() -> JobLayers {
         let detections = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,a,d1,0,0\n0,2,b,d2,0,0\n2,3,a,d3,0,0\n2,3,a,d4,0,0\n";
-        let tracks = "time_s,track_id,sensor_id,x_m,y_m,detection_id,probability,status,nis\n\
-            0,t,a,0,0,d1,1,tentative,\n2,t,a,0,0,d3,0.5,confirmed,1.5\n2,t,a,0,0,,0.5,confirmed,1.5\n2,u,a,0,0,d4,1,tentative,\n";
+        let tracks = "time_s,track_id,sensor_id,x_m,y_m,detection_id,probability,status,nis,existence\n\
+            0,t,a,0,0,d1,1,tentative,,0.25\n2,t,a,0,0,d3,0.5,confirmed,1.5,0.75\n2,t,a,0,0,,0.5,confirmed,1.5,0.75\n2,u,a,0,0,d4,1,tentative,,\n";
         let Dataset::Detections(detections) = read(detections) else {
             panic!("not detections")
         };
@@ -276,6 +279,7 @@ mod tests {
         assert_eq!(columns.scan, [Some(1), Some(3), Some(3), Some(3)]);
         assert_eq!(columns.probability, [1.0, 0.5, 0.5, 1.0]);
         assert_eq!(columns.nis, [None, Some(1.5), Some(1.5), None]);
+        assert_eq!(columns.existence, [Some(0.25), Some(0.75), Some(0.75), None]);
         assert_eq!(
             columns
                 .detection_id

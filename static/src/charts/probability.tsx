@@ -1,5 +1,5 @@
 // How probable each candidate was for one track, scan by scan: the detection it took, "none" (ε),
-// and the others.
+// and the others; and how probable it was that the track had a target, where its life says so.
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
@@ -26,16 +26,22 @@ interface Candidate {
 interface Row {
   time: number;
   status: string;
+  existence: number | null;
   candidates: Candidate[];
 }
 
 function rowsOf(series: TrackProbability): Row[] {
   const rows: Row[] = [];
-  const { time_s, detection_id, probability: values, status } = series.columns;
+  const { time_s, detection_id, probability: values, status, existence } = series.columns;
   (time_s ?? []).forEach((cell, at) => {
     const time = Number(cell);
     if (rows.at(-1)?.time !== time)
-      rows.push({ time, status: String(status?.[at] ?? ""), candidates: [] });
+      rows.push({
+        time,
+        status: String(status?.[at] ?? ""),
+        existence: (existence?.[at] as number | null | undefined) ?? null,
+        candidates: [],
+      });
     const detection = detection_id?.[at];
     rows.at(-1)?.candidates.push({
       detection:
@@ -69,6 +75,24 @@ function split(rows: Row[], origin: number): { best: Point[]; none: Point[]; oth
 
 const SYMBOLS = { best: "circle", none: "emptyDiamond", others: "emptyTriangle" };
 
+const hasExistence = (rows: Row[]): boolean => rows.some((row) => row.existence !== null);
+
+/** The probability that the track has a target; nothing where no row says so. */
+function existenceCurve(rows: Row[], origin: number, palette: Palette): object[] {
+  if (!hasExistence(rows)) return [];
+  return [
+    {
+      animation: false,
+      type: "line",
+      step: "end",
+      name: "existence",
+      data: rows.map((row) => [row.time - origin, row.existence]),
+      showSymbol: false,
+      lineStyle: { color: palette.text, width: 1.8, type: "dotted" },
+    },
+  ];
+}
+
 function curves(rows: Row[], { origin, time }: Clock, palette: Palette): object[] {
   const { best, none, others } = split(rows, origin);
   const common = { animation: false, symbolSize: 6 };
@@ -99,6 +123,7 @@ function curves(rows: Row[], { origin, time }: Clock, palette: Palette): object[
       data: others,
       ...symbolLook(SYMBOLS.others, other),
     },
+    ...existenceCurve(rows, origin, palette),
   ];
 }
 
@@ -115,10 +140,9 @@ function rowTip(
       entry.detection ?? "none (ε)",
       probability(entry.probability),
     ]);
-    return tipContent(`${timeText(row.time, origin)} · ${row.status}`, [
-      ...lines,
-      ["sum", probability(sum)],
-    ]);
+    lines.push(["sum", probability(sum)]);
+    if (row.existence !== null) lines.push(["existence", probability(row.existence)]);
+    return tipContent(`${timeText(row.time, origin)} · ${row.status}`, lines);
   };
 }
 
@@ -226,8 +250,8 @@ export function ProbabilityChart({
       badge={badge}
       table={() => fromColumns(data.columns, clock.origin)}
       chart={() => chart.current}
-      pictureKey={pictureKey}
-      tools={<Key marks={pictureKey} />}
+      pictureKey={keyOf(rows)}
+      tools={<Key marks={keyOf(rows)} />}
     >
       <ChartCanvas
         class="probability-canvas"
@@ -242,6 +266,11 @@ export function ProbabilityChart({
     </ChartFrame>
   );
 }
+
+const keyOf = (rows: Row[]) => (palette: Palette) =>
+  hasExistence(rows)
+    ? [...pictureKey(palette), { name: "existence", color: palette.text, look: "dotted" as const }]
+    : pictureKey(palette);
 
 function pictureKey(palette: Palette): KeyMark[] {
   return [
