@@ -40,6 +40,7 @@ mod integer_programme;
 mod liang_verdicts;
 mod lifecycle;
 mod maneuver;
+mod meeting;
 mod mixed;
 mod motions;
 mod moving_sensor;

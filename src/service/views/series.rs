@@ -279,7 +279,10 @@ mod tests {
         assert_eq!(columns.scan, [Some(1), Some(3), Some(3), Some(3)]);
         assert_eq!(columns.probability, [1.0, 0.5, 0.5, 1.0]);
         assert_eq!(columns.nis, [None, Some(1.5), Some(1.5), None]);
-        assert_eq!(columns.existence, [Some(0.25), Some(0.75), Some(0.75), None]);
+        assert_eq!(
+            columns.existence,
+            [Some(0.25), Some(0.75), Some(0.75), None]
+        );
         assert_eq!(
             columns
                 .detection_id
