@@ -2,6 +2,7 @@
 
 pub mod cai_fuzzy;
 mod cai_fuzzy_claims;
+mod coalescence;
 mod huo2008;
 mod huo2008_claims;
 mod liang2009;
@@ -58,7 +59,7 @@ pub const PAPERS: &[&str] = &[
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 13] = [
+const FAMILIES: [(&str, MakePresets); 14] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("cai-fuzzy-", cai_fuzzy_claims::presets),
@@ -72,6 +73,7 @@ const FAMILIES: [(&str, MakePresets); 13] = [
     ("maneuver-10hz", maneuvers::ten_hertz),
     ("two-radars", two_radars::presets),
     ("own-ship-", own_ship::presets),
+    ("coalescence", coalescence::presets),
 ];
 
 /// Every preset.
