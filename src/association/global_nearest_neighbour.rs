@@ -45,18 +45,11 @@ impl Associator for GlobalNearestNeighbour {
                 .for_each(|(row, state)| choose_alone(problem, row, state, weights));
             return;
         }
-        self.solver.clear();
-        for (_, row) in problem.rows() {
-            for edge in problem.edges_of(row) {
-                self.solver.push_edge(edge.detection, -edge.log_likelihood);
-            }
-            self.solver.end_row(-row.log_missed);
-        }
-        // Every miss costs a finite sum, so there always is an assignment.
-        let is_solved = self.solver.solve_until(problem.watch()).is_some();
-        debug_assert!(
-            is_solved || problem.watch().is_stopped(),
-            "a cluster in which every track may miss has an assignment"
+        solve(
+            &mut self.solver,
+            problem,
+            |edge| -problem.edge(edge).log_likelihood,
+            |row| -problem.row(row).log_missed,
         );
         for (index, (row, state)) in problem.rows().enumerate() {
             if let Some(edge) = self.solver.edge_of(index) {
@@ -68,6 +61,28 @@ impl Associator for GlobalNearestNeighbour {
     fn fork(&self) -> Box<dyn Associator> {
         Box::new(self.clone())
     }
+}
+
+/// Step 2 with the costs of edges and, by row, of misses: all finite.
+pub(super) fn solve(
+    solver: &mut AssignmentSolver,
+    problem: &Problem,
+    edge_cost: impl Fn(usize) -> f64,
+    miss_cost: impl Fn(usize) -> f64,
+) {
+    solver.clear();
+    for (index, row) in problem.rows() {
+        for edge in row.edges() {
+            solver.push_edge(problem.edge(edge).detection, edge_cost(edge));
+        }
+        solver.end_row(miss_cost(index));
+    }
+    // Every miss costs a finite sum, so there always is an assignment.
+    let is_solved = solver.solve_until(problem.watch()).is_some();
+    debug_assert!(
+        is_solved || problem.watch().is_stopped(),
+        "a cluster in which every track may miss has an assignment"
+    );
 }
 
 /// The case without rivals.

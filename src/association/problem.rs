@@ -245,6 +245,12 @@ impl<'a> Problem<'a> {
         self.members.len()
     }
 
+    /// The row with an index taken from [`Problem::rows`].
+    #[inline]
+    pub fn row(&self, index: usize) -> &'a Row {
+        &self.rows[index]
+    }
+
     /// The edge with an index taken from [`Row::edges`].
     #[inline]
     pub fn edge(&self, index: usize) -> &'a Edge {

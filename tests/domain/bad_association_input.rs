@@ -238,6 +238,17 @@ fn caps_of_jpda_end_where_a_cluster_would_take_seconds() {
 }
 
 #[test]
+fn what_jpda_does_not_do_against_coalescence_is_refused() {
+    refused(
+        with(body(), "/associator", json!({"method": "jpda"})),
+        "/associator/against_coalescence",
+        json!("set_jpda"),
+        "unknown_value",
+        "none, best_permutation, nearest_neighbour",
+    );
+}
+
+#[test]
 fn a_life_cycle_that_cannot_be_is_refused() {
     let lives = |tracker: Value| plan(JobKind::Associate, &with(body(), "/tracker", tracker));
     let faults = lives(json!({"confirm_hits": 6, "confirm_window": 5})).unwrap_err();
@@ -321,7 +332,11 @@ fn parameters_of_initiation_and_confirmation_are_refused_with_their_range() {
     assert_eq!(told_of(score), expected);
     assert_eq!(
         told_of(json!({"confirmation": {"rule": "luck"}})),
-        [fault("confirmation/rule", "unknown_value", "m_of_n, score")]
+        [fault(
+            "confirmation/rule",
+            "unknown_value",
+            "m_of_n, score, existence"
+        )]
     );
 }
 

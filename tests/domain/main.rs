@@ -1,5 +1,7 @@
 //! The tests of the domain: one program, so that it is linked once.
 
+#[path = "../../benches/support/coalescence.rs"]
+mod coalescence_scene;
 #[path = "../../benches/support/flights.rs"]
 mod flights;
 #[path = "../../benches/support/maneuver.rs"]
@@ -18,6 +20,7 @@ mod cai_claims;
 #[cfg(feature = "parquet")]
 mod campaign_parquet;
 mod campaigns;
+mod coalescence;
 mod correlate_jobs;
 mod correlators;
 mod defaults;

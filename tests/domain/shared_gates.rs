@@ -88,3 +88,16 @@ fn the_exact_sums_equal_the_list_of_all_events() {
         "{clusters} clusters, the largest of {tracks}"
     );
 }
+
+/// What JPDA* keeps of flights of ten and of six is within its cap, in every scan.
+#[test]
+fn the_best_permutations_of_flights_are_within_the_cap() {
+    for scene in &crate::flights::scenes() {
+        let star = jpda(json!({"against_coalescence": "best_permutation"}));
+        let (tracker, _) = scene.tracked(star);
+        let kept = tracker.diagnostics().unwrap()["best_permutation"].take();
+        assert_eq!(kept["left_to_jpda"], 0, "{}: {kept}", scene.name);
+        let (clusters, events) = (kept["clusters"].as_u64(), kept["most_events"].as_u64());
+        assert!(clusters > Some(100) && events > Some(10_000), "{kept}");
+    }
+}

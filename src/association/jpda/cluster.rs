@@ -164,6 +164,30 @@ impl Cluster {
         self.detection_of[edge as usize] as usize
     }
 
+    /// Tracks and detections together, numbered in this order.
+    pub(super) fn vertices(&self) -> usize {
+        self.tracks.len() + self.detections.len()
+    }
+
+    /// The edges at a track or a detection, by its number among [`Cluster::vertices`].
+    #[inline]
+    pub(super) fn edges_at(&self, vertex: u32) -> &[u32] {
+        match (vertex as usize).checked_sub(self.tracks.len()) {
+            None => self.tracks.edges_of(vertex as usize),
+            Some(detection) => self.detections.edges_of(detection),
+        }
+    }
+
+    /// Track and detection of an edge, by their numbers among [`Cluster::vertices`].
+    #[inline]
+    pub(super) fn ends_of(&self, edge: u32) -> [u32; 2] {
+        let edge = edge as usize;
+        [
+            self.track_of[edge],
+            self.tracks.len() as u32 + self.detection_of[edge],
+        ]
+    }
+
     /// Whether no product of one weight a track, nor any sum of such products, can leave the range of `f64`.
     pub(super) fn is_narrow(&self) -> bool {
         let mut range = 0.0;

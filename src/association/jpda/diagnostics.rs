@@ -1,5 +1,6 @@
 //! What JPDA did: how many clusters by which algorithm, how large they were, and what an approximation may have cost.
 
+use super::AgainstCoalescence;
 use super::belief_propagation::Settled;
 use super::cluster::Cluster;
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,20 @@ pub(super) struct Diagnostics {
     largest_frontier: u32,
     caps: Caps,
     approximation: Approximation,
+    /// Only where it was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    best_permutation: Option<KeptEvents>,
+}
+
+/// What `best_permutation` did with clusters of more than one track.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct KeptEvents {
+    clusters: u64,
+    /// Most joint events kept in one cluster.
+    most_events: u64,
+    /// Clusters with more than `max_states` of them, or with a block too wide: they have the marginals of JPDA, and are
+    /// counted among its clusters.
+    left_to_jpda: u64,
 }
 
 /// Clusters by the algorithm that gave their marginals.
@@ -60,13 +75,15 @@ struct Approximation {
 }
 
 impl Diagnostics {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(against_coalescence: AgainstCoalescence) -> Self {
+        let is_star = against_coalescence == AgainstCoalescence::BestPermutation;
         let approximation = Approximation {
             estimated_largest_error: Some(0.0),
             ..Approximation::default()
         };
         Diagnostics {
             approximation,
+            best_permutation: is_star.then(KeptEvents::default),
             ..Diagnostics::default()
         }
     }
@@ -89,6 +106,19 @@ impl Diagnostics {
         self.clusters.exact += 1;
         self.largest_frontier = self.largest_frontier.max(frontier);
         self.largest_cluster.grow(Size::from_cluster(cluster));
+    }
+
+    /// `kept` are its events; none where they were too many.
+    pub(super) fn count_best_permutation(&mut self, cluster: &Cluster, kept: Option<u64>) {
+        let counts = self.best_permutation.get_or_insert_default();
+        match kept {
+            Some(events) => {
+                counts.clusters += 1;
+                counts.most_events = counts.most_events.max(events);
+                self.largest_cluster.grow(Size::from_cluster(cluster));
+            }
+            None => counts.left_to_jpda += 1,
+        }
     }
 
     pub(super) fn count_propagated(&mut self, cluster: &Cluster, settled: Settled) {

@@ -17,12 +17,18 @@
 //! `auto` decides for each cluster: the closed form for a single track, the list of all events where it is short, else
 //! the exact sum where its tables stay within `max_states` and `max_auto_cost`, else belief propagation. No cap is passed silently: the
 //! diagnostics count what each algorithm did and what a cap kept from the one asked for.
+//!
+//! Averages draw the tracks of close targets together. Against that: `best_permutation.rs` (JPDA*) and `decide.rs` (NN-JPDA).
 
 mod belief_propagation;
+mod best_permutation;
+mod blocks;
 mod cluster;
+mod decide;
 mod diagnostics;
 mod enumerate;
 mod exact;
+mod kept_events;
 mod number;
 mod plan;
 #[cfg(test)]
@@ -30,10 +36,13 @@ mod tests;
 
 use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator};
+use crate::math::assignment::AssignmentSolver;
 use crate::model::watch::Watch;
 use crate::registry::{Kind, Method, Object, default, number, whole};
 use belief_propagation::BeliefPropagation;
+use best_permutation::BestPermutation;
 use cluster::Cluster;
+use decide::decide;
 use diagnostics::Diagnostics;
 use enumerate::Enumerate;
 use exact::{Exact, Planned};
@@ -52,6 +61,15 @@ static PARAMETERS: Object = Object {
     summary: "Joint probabilistic data association: every detection in the gate counts by its probability.",
     fields: &[
         default(
+            "against_coalescence",
+            "What keeps the tracks of close targets from being drawn together: best_permutation (JPDA*, Blom and Bloem 2000) counts, of \
+                      all joint events that detect the same tracks with the same detections, the most probable one alone; \
+                      nearest_neighbour (NN-JPDA, Fitzgerald 1986) gives each track one detection or none, by the largest product \
+                      of their probabilities.",
+            Kind::Choice(&["none", "best_permutation", "nearest_neighbour"]),
+            "\"none\"",
+        ),
+        default(
             "marginals",
             "How the probabilities of a cluster are summed: auto picks the cheapest exact way and approximates only where \
                       none is within the caps; enumerate lists joint events as the papers do; exact sums them without listing; \
@@ -68,7 +86,8 @@ static PARAMETERS: Object = Object {
         ),
         default(
             "max_states",
-            "Cells of one table of exact; a cluster that needs more goes to belief propagation, and is counted.",
+            "Cells of one table of exact; a cluster that needs more goes to belief propagation, and is counted. Joint events of \
+                      a cluster that best_permutation keeps; one with more is served as with none, and counted.",
             whole(1, 16_777_216, "states"),
             "65536",
         ),
@@ -105,10 +124,19 @@ enum Marginals {
     BeliefPropagation,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum AgainstCoalescence {
+    None,
+    BestPermutation,
+    NearestNeighbour,
+}
+
 /// The parameters of [`PARAMETERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(default)]
 struct JpdaSettings {
+    against_coalescence: AgainstCoalescence,
     marginals: Marginals,
     max_events: u64,
     max_states: u64,
@@ -120,6 +148,7 @@ struct JpdaSettings {
 impl Default for JpdaSettings {
     fn default() -> Self {
         JpdaSettings {
+            against_coalescence: AgainstCoalescence::None,
             marginals: Marginals::Auto,
             max_events: 1_000_000,
             max_states: 65_536,
@@ -144,27 +173,27 @@ struct Jpda {
     enumerate: Enumerate,
     exact: Exact,
     belief_propagation: BeliefPropagation,
+    best_permutation: BestPermutation,
+    solver: AssignmentSolver,
 }
 
 impl Associator for Jpda {
     fn is_soft(&self) -> bool {
-        true
+        self.settings.against_coalescence != AgainstCoalescence::NearestNeighbour
     }
 
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         if problem.row_count() == 1 {
             let detections = weigh_single(problem, weights);
             self.diagnostics.single(detections);
-            return;
+        } else {
+            self.cluster.load(problem);
+            self.weigh(problem.watch());
+            self.cluster.store(problem, weights);
         }
-        self.cluster.load(problem);
-        match self.settings.marginals {
-            Marginals::Auto => self.choose(problem.watch()),
-            Marginals::Enumerate => self.list_or_choose(problem.watch()),
-            Marginals::Exact => self.sum_or_propagate(MAX_EXACT_COST, problem.watch()),
-            Marginals::BeliefPropagation => self.propagate(problem.watch()),
+        if !self.is_soft() {
+            decide(&mut self.solver, problem, weights);
         }
-        self.cluster.store(problem, weights);
     }
 
     fn diagnostics(&self) -> Option<serde_json::Value> {
@@ -213,12 +242,38 @@ impl Jpda {
     fn new(settings: JpdaSettings) -> Self {
         Jpda {
             settings,
-            diagnostics: Diagnostics::new(),
+            diagnostics: Diagnostics::new(settings.against_coalescence),
             cluster: Cluster::default(),
             enumerate: Enumerate::default(),
             exact: Exact::default(),
             belief_propagation: BeliefPropagation::default(),
+            best_permutation: BestPermutation::default(),
+            solver: AssignmentSolver::default(),
         }
+    }
+
+    /// The marginals of the cluster at hand.
+    fn weigh(&mut self, watch: &Watch) {
+        let is_star = self.settings.against_coalescence == AgainstCoalescence::BestPermutation;
+        if is_star && self.keep_best(watch) {
+            return;
+        }
+        match self.settings.marginals {
+            Marginals::Auto => self.choose(watch),
+            Marginals::Enumerate => self.list_or_choose(watch),
+            Marginals::Exact => self.sum_or_propagate(MAX_EXACT_COST, watch),
+            Marginals::BeliefPropagation => self.propagate(watch),
+        }
+    }
+
+    /// Whether the events that JPDA* keeps were few enough.
+    fn keep_best(&mut self, watch: &Watch) -> bool {
+        let max_events = self.settings.max_states;
+        let kept = self
+            .best_permutation
+            .marginals(&mut self.cluster, max_events, watch);
+        self.diagnostics.count_best_permutation(&self.cluster, kept);
+        kept.is_some()
     }
 
     /// The cheapest exact algorithm within the caps, else belief propagation.

@@ -1,10 +1,12 @@
 //! Numbers for sums of products of association weights: `f64` where nothing can leave its range, else [`Wide`], whose
 //! exponent has 64 bits. All sums here have positive terms only, so neither loses more than rounding.
 
-use std::ops::{Add, Mul};
+use std::ops::{Add, Div, Mul};
 
 /// What the sums over joint events need of a number.
-pub(super) trait Number: Copy + Default + Add<Output = Self> + Mul<Output = Self> {
+pub(super) trait Number:
+    Copy + Default + Add<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
     const ONE: Self;
 
     fn exp(logarithm: f64) -> Self;
@@ -94,6 +96,18 @@ impl Mul for Wide {
     }
 }
 
+impl Div for Wide {
+    type Output = Wide;
+
+    /// Nothing here is divided by 0.
+    fn div(self, other: Wide) -> Wide {
+        Wide::new(
+            self.fraction / other.fraction,
+            self.exponent - other.exponent,
+        )
+    }
+}
+
 impl Number for Wide {
     const ONE: Self = Wide {
         fraction: 1.0,
@@ -129,6 +143,8 @@ mod tests {
             let total = wide + Wide::exp(3.0);
             let expected = (a.exp() * b.exp() + c.exp()) / (a.exp() * b.exp() + c.exp() + 3f64.exp());
             prop_assert!((wide.share_of(total) - expected).abs() <= 1e-12 * expected, "{wide:?} {expected}");
+            let quotient = (wide / total).share_of(Wide::ONE);
+            prop_assert!((quotient - expected).abs() <= 1e-12 * expected, "{quotient} {expected}");
         }
     }
 

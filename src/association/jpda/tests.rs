@@ -6,9 +6,9 @@ use crate::math::rng::{Purpose, Seed};
 use rand::{Rng, RngExt};
 
 /// Detections with log-likelihoods, and the logarithm of none, of each track.
-type Tracks = Vec<(Vec<(u32, f64)>, f64)>;
+pub(super) type Tracks = Vec<(Vec<(u32, f64)>, f64)>;
 
-fn problem_of(tracks: &Tracks) -> ScanProblem {
+pub(super) fn problem_of(tracks: &Tracks) -> ScanProblem {
     let mut problem = ScanProblem::default();
     let detections = tracks
         .iter()
@@ -29,7 +29,7 @@ fn problem_of(tracks: &Tracks) -> ScanProblem {
     problem
 }
 
-fn settings(marginals: Marginals) -> JpdaSettings {
+pub(super) fn settings(marginals: Marginals) -> JpdaSettings {
     JpdaSettings {
         marginals,
         ..JpdaSettings::default()
@@ -37,7 +37,7 @@ fn settings(marginals: Marginals) -> JpdaSettings {
 }
 
 /// β of each track: its edges in order, then none.
-fn solve(associator: &mut Jpda, tracks: &Tracks) -> Vec<Vec<f64>> {
+pub(super) fn solve(associator: &mut Jpda, tracks: &Tracks) -> Vec<Vec<f64>> {
     let mut problem = problem_of(tracks);
     let mut weights = Weights::default();
     weights.reset(&problem);
@@ -56,7 +56,7 @@ fn solved(marginals: Marginals, tracks: &Tracks) -> Vec<Vec<f64>> {
 }
 
 /// Every joint event as a list of choices, its weight in logarithms; nothing of the shipped code.
-fn by_brute_force(tracks: &Tracks) -> Vec<Vec<f64>> {
+pub(super) fn every_event(tracks: &Tracks) -> Vec<(Vec<usize>, f64)> {
     let mut events: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
     for (candidates, log_missed) in tracks {
         let mut longer = Vec::new();
@@ -83,6 +83,15 @@ fn by_brute_force(tracks: &Tracks) -> Vec<Vec<f64>> {
         }
         events = longer;
     }
+    events
+}
+
+pub(super) fn by_brute_force(tracks: &Tracks) -> Vec<Vec<f64>> {
+    marginals_of(&every_event(tracks), tracks)
+}
+
+/// β of each track over some joint events.
+pub(super) fn marginals_of(events: &[(Vec<usize>, f64)], tracks: &Tracks) -> Vec<Vec<f64>> {
     let top = events
         .iter()
         .map(|event| event.1)
@@ -91,7 +100,7 @@ fn by_brute_force(tracks: &Tracks) -> Vec<Vec<f64>> {
         .iter()
         .map(|(candidates, _)| vec![0.0; candidates.len() + 1])
         .collect();
-    for (choices, log_weight) in &events {
+    for (choices, log_weight) in events {
         choices
             .iter()
             .enumerate()
@@ -103,7 +112,7 @@ fn by_brute_force(tracks: &Tracks) -> Vec<Vec<f64>> {
         .collect()
 }
 
-fn random_tracks(
+pub(super) fn random_tracks(
     random: &mut impl Rng,
     tracks: u32,
     detections: u32,
@@ -123,11 +132,11 @@ fn random_tracks(
     (0..tracks).map(|_| track()).collect()
 }
 
-fn random_stream(number: u64) -> impl Rng {
+pub(super) fn random_stream(number: u64) -> impl Rng {
     Seed { seed: 1, run: 0 }.stream(Purpose::Clutter, number, 0)
 }
 
-fn largest_difference(left: &[Vec<f64>], right: &[Vec<f64>]) -> f64 {
+pub(super) fn largest_difference(left: &[Vec<f64>], right: &[Vec<f64>]) -> f64 {
     let pairs = left.iter().flatten().zip(right.iter().flatten());
     pairs
         .map(|(left, right)| (left - right).abs())
@@ -314,7 +323,7 @@ fn belief_propagation_stays_finite_with_extreme_weights() {
 }
 
 /// Track i wants detections i and i + 1.
-fn chain(tracks: u32) -> Tracks {
+pub(super) fn chain(tracks: u32) -> Tracks {
     (0..tracks)
         .map(|track| {
             (

@@ -2,6 +2,7 @@
 
 pub mod cai_fuzzy;
 mod cai_fuzzy_claims;
+mod coalescence;
 mod huo2008;
 mod huo2008_claims;
 mod liang2009;
@@ -59,7 +60,7 @@ pub const PAPERS: &[&str] = &[
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 14] = [
+const FAMILIES: [(&str, MakePresets); 15] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("cai-fuzzy-", cai_fuzzy_claims::presets),
@@ -74,6 +75,7 @@ const FAMILIES: [(&str, MakePresets); 14] = [
     ("two-radars", two_radars::presets),
     ("own-ship-", own_ship::presets),
     ("williams2015", random_sets::williams),
+    ("coalescence", coalescence::presets),
 ];
 
 /// Every preset.

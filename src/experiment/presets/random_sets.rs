@@ -28,6 +28,12 @@ fn campaign() -> Preset {
     base["kind"] = json!("evaluate");
     let quantity =
         |name: &str, path: &str| json!({"name": name, "path": format!("metrics.{path}")});
+    let mut apart = variant(
+        "PMB, JPDA*",
+        "jpda",
+        &poisson_multi_bernoulli("")["tracker"],
+    );
+    apart["set"][0]["value"]["against_coalescence"] = json!("best_permutation");
     let m_of_n = |hits: u32, window: u32, missed: u32| {
         settings(json!({"confirm_hits": hits, "confirm_window": window, "max_missed": missed}))
     };
@@ -56,6 +62,7 @@ fn campaign() -> Preset {
             &poisson_multi_bernoulli("")["tracker"],
         ),
         variant("PMB", "jpda", &poisson_multi_bernoulli("")["tracker"]),
+        apart,
     ];
     Preset {
         name: "williams2015".to_owned(),
