@@ -232,6 +232,7 @@ fn parts(scenario: &Scenario, truth: &TruthSet, associator: &Value) -> TrackerPa
         associator,
         lifecycle: lifecycle(),
         sensors: vec![sensor],
+        undetected: None,
         given: given(truth),
     }
 }
