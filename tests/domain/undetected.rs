@@ -384,7 +384,7 @@ fn gospa_squares(runs: u32) -> Vec<(String, f64)> {
     rows.map(square).collect()
 }
 
-/// Four targets meet and one of them leaves. Means of 20 runs; of 1 000 they are 11.4 for the filter and 14 to 110 for the others.
+/// Four targets meet and one of them leaves. Means of 20 runs; of 1 000 they are 11.7 for the filter and 16 to 111 for the others.
 #[test]
 fn targets_that_meet_are_tracked_better_with_existence_than_with_m_of_n() {
     let squares = gospa_squares(20);
