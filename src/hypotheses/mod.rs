@@ -257,6 +257,11 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         self.p_d[row]
     }
 
+    /// Whether clutter is denser at some detections than at others.
+    pub fn has_log_clutter_ratios(&self) -> bool {
+        !self.log_clutter_ratios.is_empty()
+    }
+
     /// ln of the density of clutter at a detection over the sensor's.
     #[inline]
     pub fn log_clutter_ratio(&self, detection: usize) -> f64 {

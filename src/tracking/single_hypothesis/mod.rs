@@ -76,7 +76,7 @@ struct Memory<B, const K: usize> {
     /// Scans taken.
     scans: u32,
     initiator: Initiator<K>,
-    beginnings: Beginnings<B, K>,
+    beginnings: Beginnings<K>,
     /// Bearings that no track used, of the last scan of each sensor.
     rays: Vec<Vec<Ray>>,
     nis: Nis,

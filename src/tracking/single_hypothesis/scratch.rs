@@ -1,5 +1,6 @@
 //! Memory that the tracker writes anew at each scan.
 
+use super::multi_scan::{Past, Ways};
 use crate::association::Needs;
 use crate::association::problem::Weights;
 use crate::filtering::{Filter, Weighted};
@@ -19,6 +20,9 @@ pub(super) struct Scratch<F: Filter<K>, const K: usize> {
     pub belief: Vec<f64>,
     /// What of each detection the confirmed tracks left over.
     pub left: Vec<f64>,
+    /// Of tracks that begin over several scans.
+    pub ways: Ways<F, K>,
+    pub past: Vec<Past<F::Belief>>,
 }
 
 impl<F: Filter<K>, const K: usize> Scratch<F, K> {
@@ -32,6 +36,8 @@ impl<F: Filter<K>, const K: usize> Scratch<F, K> {
             kinematics: Vec::new(),
             belief: Vec::new(),
             left: Vec::new(),
+            ways: Ways::new(gate_probability, needs),
+            past: Vec::new(),
         }
     }
 

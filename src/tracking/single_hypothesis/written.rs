@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Changes whenever older writing is not understood any more.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 #[derive(Serialize, Deserialize)]
 struct Written {
@@ -89,7 +89,7 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
         waiting: waiting
             .map(|points| points.iter().map(write_waiting).collect())
             .collect(),
-        beginnings: memory.beginnings.write::<F>(),
+        beginnings: memory.beginnings.write(),
         rays: memory
             .rays
             .iter()
@@ -132,7 +132,7 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         last_time_s: written.last_time_s.map(f64::from_bits),
         scans: written.scans,
         initiator: Initiator::default(),
-        beginnings: Beginnings::read::<F>(&written.beginnings)
+        beginnings: Beginnings::read(&written.beginnings)
             .ok_or_else(|| refuse(&"a beginning"))?,
         rays: Vec::with_capacity(written.rays.len()),
         nis: written.nis,

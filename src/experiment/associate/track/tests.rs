@@ -280,7 +280,7 @@ fn what_no_tracker_wrote_is_refused() {
     scene.feed(tracker.as_mut(), 0..3);
     let written = String::from_utf8(tracker.write_down()).unwrap();
     let shorter = written.replacen("\"belief\":[", "\"belief\":[1,", 1);
-    let newer = written.replacen("\"version\":3", "\"version\":4", 1);
+    let newer = written.replacen("\"version\":4", "\"version\":5", 1);
     let mapped = written.replacen("\"maps\":[null", "\"maps\":[[0]", 1);
     assert!(newer != written && mapped != written && shorter != written);
     let half = &written[..written.len() / 2];
