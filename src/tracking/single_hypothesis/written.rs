@@ -132,8 +132,7 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         last_time_s: written.last_time_s.map(f64::from_bits),
         scans: written.scans,
         initiator: Initiator::default(),
-        beginnings: Beginnings::read(&written.beginnings)
-            .ok_or_else(|| refuse(&"a beginning"))?,
+        beginnings: Beginnings::read(&written.beginnings).ok_or_else(|| refuse(&"a beginning"))?,
         rays: Vec::with_capacity(written.rays.len()),
         nis: written.nis,
         finders: written.finders,

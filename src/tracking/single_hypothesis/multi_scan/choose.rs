@@ -67,9 +67,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         recorder: &mut dyn Recorder,
     ) -> bool {
         let mut past = std::mem::take(&mut self.scratch.past);
-        self.scratch
-            .ways
-            .tell(way, waiting.layers.len(), &mut past);
+        self.scratch.ways.tell(way, waiting.layers.len(), &mut past);
         let layer_of = |at: &Past<F::Belief>| &waiting.layers[at.layer as usize];
         let steps: Vec<Step<F::Belief, K>> = past.iter().map(|at| (layer_of(at), at)).collect();
         let has_begun = self.begin_through(&steps, known_s, recorder);
@@ -110,7 +108,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let mut lives: Vec<TrackLifecycleState> = Vec::with_capacity(steps.len());
         for (layer, at) in steps {
             let life = match lives.last() {
-                None => self.lifecycle.start(&Glance::first(layer.scan.time_s, sensor)),
+                None => self
+                    .lifecycle
+                    .start(&Glance::first(layer.scan.time_s, sensor)),
                 Some(before) => {
                     let mut life = *before;
                     let glance = Glance {
@@ -161,7 +161,9 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             nis: at.nis,
             modes: F::mode_probabilities(estimate),
             candidates: &[Candidate {
-                detection: at.detection.map(|index| layer.points[index as usize].detection),
+                detection: at
+                    .detection
+                    .map(|index| layer.points[index as usize].detection),
                 probability: 1.0,
             }],
         });

@@ -49,7 +49,8 @@ impl Links {
         if self.is_free {
             return true;
         }
-        let is_due = |(index, three): &(usize, Three)| is_last || three.before[0] as usize == *index;
+        let is_due =
+            |(index, three): &(usize, Three)| is_last || three.before[0] as usize == *index;
         let has_due = threes(waiting).any(|three| is_due(&three));
         if has_due {
             self.parents.clear();

@@ -153,8 +153,8 @@ impl<const K: usize> Beginnings<K> {
         let mut warnings = Vec::new();
         if cut > 0 {
             warnings.push(format!(
-                "beginnings: {cut} of the ways from detection to detection were cut, the least likely of each first; a larger \
-                 max_nodes, or a lower max_speed_mps, keeps more"
+                "beginnings: {cut} of the ways from detection to detection were cut, the crookedest and the least likely of each first; a \
+                 larger max_nodes, or a lower max_speed_mps, keeps more"
             ));
         }
         if inexact > 0 {
@@ -239,12 +239,10 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 (rule, self.associator.needs()),
                 (&self.filter, &self.lifecycle),
                 (report, self.max_speed_mps(rule)),
+                self.scratch.ways.slack,
             );
-            let found = search.connect(
-                &self.filter,
-                (&waiting.layers, &mut layer),
-                (scan, watch),
-            )?;
+            let found =
+                search.connect(&self.filter, (&waiting.layers, &mut layer), (scan, watch))?;
             waiting.counts.cut += found;
         }
         waiting.layers.push_back(layer);
@@ -308,3 +306,6 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         layer
     }
 }
+
+#[cfg(test)]
+mod tests;

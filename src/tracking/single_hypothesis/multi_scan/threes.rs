@@ -128,18 +128,18 @@ impl Pairs {
 
 /// Finds them.
 pub(super) struct Search<'a> {
-    pub rule: &'a MultiScan,
-    pub needs: Needs,
+    rule: &'a MultiScan,
+    needs: Needs,
     /// The highest rate of a way from its root to its second detection.
-    pub speed: f64,
+    speed: f64,
     /// Standard deviation of a rate that nothing is known of.
-    pub rate_sigma: f64,
+    rate_sigma: f64,
     /// γ.
-    pub gate_threshold: f64,
+    gate_threshold: f64,
     /// What widens the bound of step 2.
-    pub slack: f64,
+    slack: f64,
     /// Where the first coordinate goes round.
-    pub angle: Option<usize>,
+    angle: Option<usize>,
 }
 
 /// Two detections, of which the nearer to a third one is the second, and what may be of the time of all three.
@@ -156,6 +156,7 @@ impl<'a> Search<'a> {
         (rule, needs): (&'a MultiScan, Needs),
         (filter, lifecycle): (&F, &Lifecycle),
         (report, max_speed_mps): (&MeasurementModel, f64),
+        slack: f64,
     ) -> Self {
         let values = report.dimensions().max(K / 2) as u32;
         let gate_threshold = gate_threshold(lifecycle.gate_probability, values);
@@ -171,7 +172,7 @@ impl<'a> Search<'a> {
             },
             rate_sigma,
             gate_threshold,
-            slack: 1.0,
+            slack,
             angle: (K == 2).then_some(0),
         }
     }
@@ -332,12 +333,7 @@ impl<'a> Search<'a> {
 
     /// Calls `found` with each detection of a layer that goes on from two, or leads to them, and its strain.
     #[inline]
-    fn find<const K: usize>(
-        &self,
-        two: Two,
-        layer: &Layer<K>,
-        mut found: impl FnMut(u32, f64),
-    ) {
+    fn find<const K: usize>(&self, two: Two, layer: &Layer<K>, mut found: impl FnMut(u32, f64)) {
         let spread = &layer.spread;
         let middle_s = (spread.times_s[0] + spread.times_s[1]) / 2.0;
         let half_s = spread.times_s[1] - middle_s;
@@ -352,7 +348,9 @@ impl<'a> Search<'a> {
             if self.angle.is_some() {
                 centre[0] = angle::wrap(centre[0]);
             }
-            half = self.bound(&two, spread.noise, widest, widest * span_s).sqrt()
+            half = self
+                .bound(&two, spread.noise, widest, widest * span_s)
+                .sqrt()
                 + along.norm() * (widest - kappa);
         }
         layer.grid.near(&centre, [half; 2], self.angle, |index| {

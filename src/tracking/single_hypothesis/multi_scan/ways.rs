@@ -74,6 +74,8 @@ pub(super) struct Rules<'a, F> {
 
 /// The ways of a window; memory is reused.
 pub(in crate::tracking::single_hypothesis) struct Ways<F: Filter<K>, const K: usize> {
+    /// What widens the bound of threes.
+    pub(super) slack: f64,
     hypotheses: Hypotheses<F, K>,
     links: Links,
     stages: Vec<Stage<F::Belief>>,
@@ -95,6 +97,7 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
             Needs::Nothing
         };
         Ways {
+            slack: 1.0,
             hypotheses: Hypotheses::new(gate_probability, needs),
             links: Links::default(),
             stages: Vec::new(),

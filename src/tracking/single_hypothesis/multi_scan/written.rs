@@ -262,10 +262,17 @@ fn read_own(values: &[u64]) -> Option<Own> {
 fn write_pose(pose: &Pose) -> Vec<u64> {
     let sigmas = &pose.sigmas;
     let places = [pose.place, pose.velocity, sigmas.place, sigmas.velocity];
-    let mut values: Vec<f64> = places.iter().flat_map(|place| place.iter().copied()).collect();
+    let mut values: Vec<f64> = places
+        .iter()
+        .flat_map(|place| place.iter().copied())
+        .collect();
     values.extend([sigmas.heading_rad, sigmas.pitch_rad, sigmas.roll_rad]);
     let told = pose.attitude;
-    values.extend(told.map(|at| [at.heading_rad, at.pitch_rad, at.roll_rad]).into_iter().flatten());
+    values.extend(
+        told.map(|at| [at.heading_rad, at.pitch_rad, at.roll_rad])
+            .into_iter()
+            .flatten(),
+    );
     bits::of(&values)
 }
 
