@@ -10,10 +10,12 @@ pub mod bounds;
 pub mod certain;
 mod detections;
 mod likelihood_constants;
+mod only;
 mod own;
 pub mod region;
 
 pub use likelihood_constants::{LikelihoodConstants, Likelihoods};
+pub use only::Only;
 
 use crate::association::Needs;
 use crate::association::problem::{Edge, ScanProblem};
@@ -119,6 +121,27 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         origin_of: &dyn Fn(u32) -> Option<u32>,
         watch: &Watch,
     ) -> Result<(), Halt> {
+        self.write_among(
+            look,
+            problem_index,
+            (beliefs, members, None),
+            origin_of,
+            watch,
+        )
+    }
+
+    /// The same where what some of the tracks may have caused is told: the gate still decides.
+    ///
+    /// # Errors
+    /// As [`Hypotheses::write`].
+    pub fn write_among(
+        &mut self,
+        look: Look<F, F::Step>,
+        problem_index: u32,
+        (beliefs, members, only): (&mut [F::Belief], &[u32], Option<&Only>),
+        origin_of: &dyn Fn(u32) -> Option<u32>,
+        watch: &Watch,
+    ) -> Result<(), Halt> {
         self.problem.begin(problem_index, self.detections.len());
         self.rows.clear();
         self.p_d.clear();
@@ -131,6 +154,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             look,
             beliefs,
             members,
+            only,
             origin_of,
             watch,
         };
@@ -297,7 +321,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         &mut self,
         corrector: &C,
         constants: &LikelihoodConstants,
-        origin: Option<u32>,
+        (origin, only): (Option<u32>, Option<&[u32]>),
         (expected, gain): &(Expected<D>, C::Gain),
     ) {
         let log_scale = corrector.log_clutter_scale(&expected.measurement);
@@ -315,6 +339,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             });
         };
         let (detections, gate) = (&self.detections, &self.gate);
+        let around = (expected, gain);
         match self.needs {
             // What the sensor does not see it does not report.
             Needs::OriginsInGates if constants.p_d <= 0.0 => self.problem.push_own(None),
@@ -323,18 +348,17 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             Needs::OriginsInGates => {
                 let own = detections.own(origin);
                 detections.of_target(origin, expected, C::ANGLE, &mut found);
-                detections.inside::<C, F, K, D>(
-                    gate,
-                    (expected, gain),
-                    |detection, innovation, squared| {
-                        if Some(detection) != own {
-                            found(detection, innovation, squared);
-                        }
-                    },
-                );
+                detections.inside::<C, F, K, D>(gate, around, |detection, innovation, squared| {
+                    if Some(detection) != own {
+                        found(detection, innovation, squared);
+                    }
+                });
                 self.problem.push_own(own);
             }
-            _ => detections.inside::<C, F, K, D>(gate, (expected, gain), found),
+            _ => match only {
+                None => detections.inside::<C, F, K, D>(gate, around, found),
+                Some(only) => detections.among::<C, F, K, D>(gate, around, only, found),
+            },
         }
     }
 
@@ -432,6 +456,7 @@ struct Writing<'a, F: Filter<K>, const K: usize> {
     look: Look<'a, F, F::Step>,
     beliefs: &'a mut [F::Belief],
     members: &'a [u32],
+    only: Option<&'a Only>,
     /// Called by name: a type of its own would compile all this once more for each caller.
     origin_of: &'a dyn Fn(u32) -> Option<u32>,
     watch: &'a Watch<'a>,
@@ -444,7 +469,7 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Result<(), Halt> {
         let has_own = !self.look.scan.own.is_empty();
         let bounds = has_own.then(|| own::Bounds::of(self.look.scan));
-        for &track in self.members {
+        for (nth, &track) in self.members.iter().enumerate() {
             let belief = &mut self.beliefs[track as usize];
             F::predict(self.look.step, belief);
             let Some(expected) = corrector.expect(belief) else {
@@ -454,8 +479,9 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
             let origin = (self.origin_of)(track);
             let constants = self.likelihoods.of(|| F::kinematics(belief));
             let hypotheses = &mut *self.hypotheses;
+            let only = self.only.and_then(|only| only.of(nth));
             match &bounds {
-                None => hypotheses.push_edges(corrector, &constants, origin, &expected),
+                None => hypotheses.push_edges(corrector, &constants, (origin, only), &expected),
                 Some(bounds) => hypotheses.push_own_edges(&own::Track {
                     corrector,
                     belief: &*belief,
@@ -463,6 +489,7 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
                     bounds,
                     constants: &constants,
                     origin,
+                    only,
                 }),
             }
             hypotheses.end_row(corrector, &constants, track, &expected);

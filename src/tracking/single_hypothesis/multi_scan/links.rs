@@ -5,15 +5,6 @@ use super::ways::Node;
 use super::{MultiScan, OfSensor};
 use crate::math::set_packing;
 
-/// A second detection that a root may have, by their numbers, the layer of the second and the last one of a third.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Second {
-    root: u32,
-    second: u32,
-    at: u32,
-    until: u32,
-}
-
 /// Which detections a due root competes for. Memory is reused, as all here.
 #[derive(Debug, Default)]
 pub(super) struct Links {
@@ -22,7 +13,8 @@ pub(super) struct Links {
     parents: Vec<u32>,
     is_due: Vec<bool>,
     is_wanted: Vec<bool>,
-    seconds: Vec<Second>,
+    /// Their threes by number, in order.
+    threes: Vec<[u32; 3]>,
     /// Where two detections are enough any may follow any.
     is_free: bool,
 }
@@ -43,7 +35,7 @@ impl Links {
             self.firsts.push(total);
         }
         self.is_free = rule.min_detections <= 2;
-        self.seconds.clear();
+        self.threes.clear();
         self.is_wanted.clear();
         self.is_wanted.resize(total as usize, self.is_free);
         if self.is_free {
@@ -87,20 +79,10 @@ impl Links {
                 for number in numbers {
                     self.is_wanted[number as usize] = true;
                 }
-                self.seconds.push(Second {
-                    root: numbers[0],
-                    second: numbers[1],
-                    at: index as u32 - three.before[1],
-                    until: index as u32,
-                });
+                self.threes.push(numbers);
             }
         }
-        self.seconds.sort_unstable();
-        // The last of each pair is the one with the last third.
-        self.seconds.reverse();
-        self.seconds
-            .dedup_by_key(|second| (second.root, second.second));
-        self.seconds.reverse();
+        self.threes.sort_unstable();
     }
 
     fn numbers(&self, (index, three): &(usize, Three)) -> [u32; 3] {
@@ -114,28 +96,53 @@ impl Links {
         self.is_wanted[self.firsts[layer] as usize + detection]
     }
 
-    /// The last layer with a second detection of a root, if it may have one.
-    pub fn root_until(&self, layer: usize, detection: u32) -> Option<u32> {
-        if self.is_free {
-            return Some(u32::MAX);
-        }
-        let root = self.firsts[layer] + detection;
-        let from = self.seconds.partition_point(|second| second.root < root);
-        let seconds = self.seconds[from..].iter();
-        let own = seconds.take_while(|second| second.root == root);
-        own.map(|second| second.at).max()
+    /// Those that begin with a root.
+    fn of_root(&self, root: u32) -> &[[u32; 3]] {
+        let from = self.threes.partition_point(|three| three[0] < root);
+        let to = self.threes[from..].partition_point(|three| three[0] == root);
+        &self.threes[from..from + to]
     }
 
-    /// The last layer with a third detection, if a root may have this second one.
-    pub fn pair_until(&self, node: &Node, (layer, detection): (usize, u32)) -> Option<u32> {
+    fn of_pair(&self, root: u32, second: u32) -> &[[u32; 3]] {
+        let threes = self.of_root(root);
+        let from = threes.partition_point(|three| three[1] < second);
+        let to = threes[from..].partition_point(|three| three[1] == second);
+        &threes[from..from + to]
+    }
+
+    /// The number of the last detection with which a root may go on, if there is one.
+    pub fn root_until(&self, root: u32) -> Option<u32> {
         if self.is_free {
             return Some(u32::MAX);
         }
-        let root = self.firsts[node.root as usize] + node.first;
-        let wanted = (root, self.firsts[layer] + detection);
-        let key = |second: &Second| (second.root, second.second);
-        let place = self.seconds.binary_search_by_key(&wanted, key);
-        place.ok().map(|at| self.seconds[at].until)
+        self.of_root(root).last().map(|three| three[1])
+    }
+
+    /// The same of a root and a second detection.
+    pub fn pair_until(&self, root: u32, second: u32) -> Option<u32> {
+        if self.is_free {
+            return Some(u32::MAX);
+        }
+        self.of_pair(root, second).last().map(|three| three[2])
+    }
+
+    /// The detections of a layer with which a way may go on, where that is known.
+    pub fn list(&self, node: &Node, layer: usize) -> Option<impl Iterator<Item = u32>> {
+        if self.is_free || node.hits > 2 {
+            return None;
+        }
+        let (threes, place) = match node.second {
+            None => (self.of_root(node.root), 1),
+            Some(second) => (self.of_pair(node.root, second), 2),
+        };
+        let (first, end) = (self.firsts[layer], self.firsts[layer + 1]);
+        let from = threes.partition_point(|three| three[place] < first);
+        let to = threes.partition_point(|three| three[place] < end);
+        let mut last = None;
+        let inside = threes[from..to]
+            .iter()
+            .map(move |three| three[place] - first);
+        Some(inside.filter(move |&detection| last.replace(detection) != Some(detection)))
     }
 }
 

@@ -79,8 +79,11 @@ fn filter(spec: &Value) -> AnyFilter {
     (entry.build)(&registry::check(&fields, entry.parameters).unwrap()).unwrap()
 }
 
-/// What a sensor at the origin reports, and how a place is reported by it.
-#[derive(Clone, Copy)]
+const FAR_M: f64 = -30e3;
+
+/// What a sensor reports, and how a place is reported by it. Bearings are from the origin, ranges from so far away that places are
+/// nearly linear in them.
+#[derive(Debug, Clone, Copy)]
 enum Kind {
     Positions,
     Ranges,
@@ -90,7 +93,14 @@ enum Kind {
 
 impl Kind {
     fn model(self) -> MeasurementModel {
-        let place_m = Position::zeros();
+        let place_m = Position::new(
+            0.0,
+            if matches!(self, Kind::Ranges) {
+                FAR_M
+            } else {
+                0.0
+            },
+        );
         match self {
             Kind::Positions => MeasurementModel::Position {
                 sigma_x_m: 15.0,
@@ -99,9 +109,9 @@ impl Kind {
             Kind::Ranges => MeasurementModel::Polar(Polar {
                 place_m,
                 sigma_range_m: 15.0,
-                sigma_bearing_rad: 0.005,
+                sigma_bearing_rad: 0.002,
                 range_rate: None,
-                platform: Platform::default(),
+                platform: Platform::STANDING,
             }),
             Kind::Heights => MeasurementModel::Position3 {
                 sigmas_m: [15.0, 5.0, 30.0],
@@ -110,7 +120,7 @@ impl Kind {
             Kind::Bearings => MeasurementModel::Bearing(Bearing {
                 place_m,
                 sigma_bearing_rad: 0.005,
-                platform: Platform::default(),
+                platform: Platform::STANDING,
                 range_prior: None,
             }),
         }
@@ -118,15 +128,14 @@ impl Kind {
 
     fn report(self, [x_m, y_m, z_m]: [f64; 3], errors: [f64; 3]) -> Measurement {
         let [one, two, three] = errors;
-        let (range_m, bearing_rad) = (x_m.hypot(y_m), x_m.atan2(y_m));
         match self {
             Kind::Positions => Measurement::Position {
                 x_m: x_m + 15.0 * one,
                 y_m: y_m + 5.0 * two,
             },
             Kind::Ranges => Measurement::RangeBearing {
-                range_m: range_m + 15.0 * one,
-                bearing_rad: bearing_rad + 0.005 * two,
+                range_m: x_m.hypot(y_m - FAR_M) + 15.0 * one,
+                bearing_rad: x_m.atan2(y_m - FAR_M) + 0.002 * two,
                 range_rate_mps: None,
             },
             Kind::Heights => Measurement::Position3 {
@@ -135,7 +144,7 @@ impl Kind {
                 z_m: z_m + 30.0 * three,
             },
             Kind::Bearings => Measurement::Bearing {
-                bearing_rad: bearing_rad + 0.005 * one,
+                bearing_rad: x_m.atan2(y_m) + 0.005 * one,
             },
         }
     }
@@ -151,7 +160,7 @@ impl Kind {
 }
 
 /// Twelve targets that turn or not, and false detections, in a square of 20 km.
-fn scans(kind: Kind, seed: u64, has_own: bool) -> Vec<Scan> {
+fn scans(kind: Kind, seed: u32, has_own: bool) -> Vec<Scan> {
     let draw = &mut Seed { seed, run: 0 }.stream(Purpose::Detection, 0, 0);
     let starts: Vec<[f64; 5]> = (0..12)
         .map(|_| std::array::from_fn(|_| draw.random::<f64>()))
@@ -280,9 +289,13 @@ fn compare(
                 slack,
             })
         });
-        assert_eq!(bounded.len(), free.len(), "{spec} {associator} {seed}");
+        assert_eq!(
+            bounded.len(),
+            free.len(),
+            "{spec} {kind:?} {associator} {seed}"
+        );
         for (one, other) in bounded.iter().zip(&free) {
-            assert_eq!(one, other, "{spec} {associator} {seed}");
+            assert_eq!(one, other, "{spec} {kind:?} {associator} {seed}");
         }
         points += bounded.len();
     }

@@ -4,7 +4,7 @@ use super::links::Links;
 use super::{Layer, MAX_STEPS, MultiScan, OfSensor, Point};
 use crate::association::Needs;
 use crate::filtering::Filter;
-use crate::hypotheses::{Hypotheses, Look};
+use crate::hypotheses::{Hypotheses, Look, Only};
 use crate::math::gaussian::gate_threshold;
 use crate::math::set_packing::{self, Packing, Sets};
 use crate::model::sensor::Sensor;
@@ -18,17 +18,20 @@ use crate::tracking::single_hypothesis::lifecycle::Lifecycle;
 pub(super) struct Node {
     /// In the layer before; none of a root.
     parent: Option<u32>,
-    /// Layer of its root, and the detection there.
+    /// The number of its root, its layer, and the detection there.
     pub root: u32,
-    pub first: u32,
+    root_layer: u32,
+    first: u32,
+    /// The number of its second detection.
+    pub second: Option<u32>,
     /// Of the root.
     origin: Option<u32>,
     /// Its index in its layer; none where the scan missed it.
     detection: Option<u32>,
-    hits: u32,
+    pub hits: u32,
     /// Scans since the last detection.
     gap: u32,
-    /// The last layer with a detection that may be its next one, as long as it has fewer than three.
+    /// The number of the last detection that may be its next one, as long as it has fewer than three.
     until: u32,
     score: f64,
     /// What the scan added to the score.
@@ -82,6 +85,7 @@ pub(in crate::tracking::single_hypothesis) struct Ways<F: Filter<K>, const K: us
     /// What was expected of the nodes before the last layer there.
     predicted: Vec<F::Belief>,
     members: Vec<u32>,
+    only: Only,
     /// Of each way that may begin its last node, its detections by number, and its score.
     leaves: Vec<u32>,
     sets: Sets,
@@ -103,6 +107,7 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
             stages: Vec::new(),
             predicted: Vec::new(),
             members: Vec::new(),
+            only: Only::default(),
             leaves: Vec::new(),
             sets: Sets::default(),
             scores: Vec::new(),
@@ -183,6 +188,10 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
         self.predicted.extend_from_slice(&before.beliefs);
         self.members.clear();
         self.members.extend(0..before.nodes.len() as u32);
+        self.only.clear();
+        for node in &before.nodes {
+            self.only.push(self.links.list(node, index));
+        }
         let look = Look {
             filter: rules.filter,
             sensor: rules.sensor,
@@ -192,14 +201,15 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
         };
         let origin_of = |node: u32| before.nodes[node as usize].origin;
         let hypotheses = &mut self.hypotheses;
-        let beliefs = (&mut self.predicted[..], &self.members[..]);
-        hypotheses.write(look, 0, beliefs, &origin_of, watch)?;
+        let beliefs = (&mut self.predicted[..], &self.members[..], Some(&self.only));
+        hypotheses.write_among(look, 0, beliefs, &origin_of, watch)?;
         let reach = Reach::new::<F, K>(rules);
         for row in 0..hypotheses.problem().rows().len() {
             let parent = hypotheses.track(row);
             let way = Way {
                 rule: rules.rule,
-                index: index as u32,
+                links: &self.links,
+                layer: index,
                 layers_left: (waiting.layers.len() - 1 - index) as u32,
                 node: Node {
                     parent: Some(parent as u32),
@@ -215,7 +225,7 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
                 if !reach.allows(waiting, &way.node, &layer.points[found.detection as usize]) {
                     continue;
                 }
-                if let Some(hit) = way.hit(&self.links, found.detection, found.log_likelihood) {
+                if let Some(hit) = way.hit(found.detection, found.log_likelihood) {
                     after.push(Node {
                         nis: Some(hypotheses.fit(edge)),
                         edge: Some(edge as u32),
@@ -241,10 +251,13 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
             if layer.is_used[at] {
                 continue;
             }
-            if let Some(until) = self.links.root_until(index, at as u32) {
+            let root = self.links.firsts[index] + at as u32;
+            if let Some(until) = self.links.root_until(root) {
                 self.stages[index].nodes.push(Node {
                     parent: None,
-                    root: index as u32,
+                    root,
+                    root_layer: index as u32,
+                    second: None,
                     first: at as u32,
                     origin: point.origin,
                     detection: Some(at as u32),
@@ -383,7 +396,7 @@ impl Reach {
         if node.hits > 1 || K <= 2 {
             return true;
         }
-        let root: &Layer<K> = &waiting.layers[node.root as usize];
+        let root: &Layer<K> = &waiting.layers[node.root_layer as usize];
         let first = &root.points[node.first as usize];
         let (distance_m, most_m) = reach_m(first, second, self.max_speed_mps, self.gate_threshold);
         distance_m <= most_m
@@ -393,7 +406,8 @@ impl Reach {
 /// A way that goes on into a layer.
 struct Way<'a> {
     rule: &'a MultiScan,
-    index: u32,
+    links: &'a Links,
+    layer: usize,
     /// After that one.
     layers_left: u32,
     node: Node,
@@ -411,17 +425,24 @@ impl Way<'_> {
             ..self.node
         };
         let may_last = node.gap <= self.rule.max_gap_scans && self.may_suffice(&node);
-        let has_more = node.hits > 2 || node.until > self.index;
+        let has_more = node.hits > 2 || node.until >= self.links.firsts[self.layer + 1];
         (may_last && has_more).then_some(node)
     }
 
-    fn hit(&self, links: &Links, detection: u32, log_likelihood: f64) -> Option<Node> {
+    fn hit(&self, detection: u32, log_likelihood: f64) -> Option<Node> {
+        let number = self.links.firsts[self.layer] + detection;
+        let is_second = self.node.hits == 1;
         let node = Node {
             detection: Some(detection),
+            second: if is_second {
+                Some(number)
+            } else {
+                self.node.second
+            },
             hits: self.node.hits + 1,
             gap: 0,
-            until: if self.node.hits == 1 {
-                links.pair_until(&self.node, (self.index as usize, detection))?
+            until: if is_second {
+                self.links.pair_until(self.node.root, number)?
             } else {
                 self.node.until
             },
@@ -444,7 +465,7 @@ fn cut(nodes: &mut Vec<Node>, most: usize) -> u64 {
         return 0;
     }
     let mut order: Vec<usize> = (0..nodes.len()).collect();
-    let root = |at: usize| (nodes[at].root, nodes[at].first);
+    let root = |at: usize| nodes[at].root;
     order.sort_by(|&a, &b| {
         root(a)
             .cmp(&root(b))
