@@ -135,6 +135,10 @@ impl Motion<9> for Climbing {
             .rate_variance(dt_s)
             .max(Motion::<6>::rate_variance(&self.vertical, dt_s))
     }
+
+    fn bend_mps(&self, speed_mps: f64, dt_s: f64) -> f64 {
+        self.motion.bend_mps(speed_mps, dt_s)
+    }
 }
 
 /// One step of a turn at the rate that is believed.

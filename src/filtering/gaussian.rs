@@ -3,7 +3,7 @@
 use super::expected::{Expected, Gain, Way};
 use super::smoothing::Passage;
 use super::{Corrector, Filter, Reports, Weighted, WithCorrector, mixture};
-use crate::model::motion::Motion;
+use crate::model::motion::{Motion, wander};
 use crate::model::own::Own;
 use crate::model::sensing::{Dispatch, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::GaussianState;
@@ -120,6 +120,10 @@ where
 
     fn rate_variance(&self, dt_s: f64) -> f64 {
         self.motion.rate_variance(dt_s)
+    }
+
+    fn most_rate_variance(&self, dt_s: f64, speed_mps: f64) -> f64 {
+        wander(&self.motion, dt_s, speed_mps)
     }
 
     fn rate_sigma(&self, speed_sigma_mps: f64) -> f64 {

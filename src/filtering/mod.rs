@@ -93,6 +93,10 @@ pub trait Filter<const K: usize>: Copy + Send + 'static {
     /// Variance of a rate at the end of `dt_s` around the mean rate of that time, as far as the motion's noise goes.
     fn rate_variance(&self, dt_s: f64) -> f64;
 
+    /// The same around the mean rate of the time before, of the most restless of its models, with what these do without noise to a
+    /// target of this speed.
+    fn most_rate_variance(&self, dt_s: f64, speed_mps: f64) -> f64;
+
     /// Standard deviation of the rates of a new track, where the tracker says `speed_sigma_mps` of velocities.
     fn rate_sigma(&self, speed_sigma_mps: f64) -> f64;
 }

@@ -49,6 +49,10 @@ impl<const N: usize> Motion<N> for AnyMotion {
     fn rate_variance(&self, dt_s: f64) -> f64 {
         AnyMotion::rate_variance(self, dt_s)
     }
+
+    fn bend_mps(&self, speed_mps: f64, dt_s: f64) -> f64 {
+        AnyMotion::bend_mps(self, speed_mps, dt_s)
+    }
 }
 
 /// The same as a request says it.
@@ -167,6 +171,18 @@ impl AnyMotion {
             AnyMotion::UnknownTurn(motion) => motion.rate_variance(dt_s),
             AnyMotion::Singer(motion) => Motion::<6>::rate_variance(motion, dt_s),
             AnyMotion::OrnsteinUhlenbeck(motion) => motion.rate_variance(dt_s),
+        }
+    }
+
+    /// As of [`Motion::bend_mps`].
+    pub fn bend_mps(&self, speed_mps: f64, dt_s: f64) -> f64 {
+        match self {
+            AnyMotion::CoordinatedTurn(motion) => motion.bend_mps(speed_mps, dt_s),
+            AnyMotion::UnknownTurn(motion) => motion.bend_mps(speed_mps, dt_s),
+            AnyMotion::OrnsteinUhlenbeck(motion) => motion.bend_mps(speed_mps, dt_s),
+            AnyMotion::ConstantVelocity(_)
+            | AnyMotion::ConstantAcceleration(_)
+            | AnyMotion::Singer(_) => 0.0,
         }
     }
 

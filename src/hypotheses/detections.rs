@@ -94,6 +94,31 @@ impl Detections {
         );
     }
 
+    /// The same of those on a list.
+    #[inline(never)]
+    pub fn among<C: Corrector<F, K, D>, F: Filter<K>, const K: usize, const D: usize>(
+        &self,
+        gate: &EllipsoidalGate,
+        (expected, gain): (&Expected<D>, &C::Gain),
+        list: &[u32],
+        mut found: impl FnMut(u32, SVector<f64, D>, f64),
+    ) {
+        for &detection in list {
+            let point = SVector::from(self.points()[detection as usize]);
+            let is_inside = if C::HAS_REGIONS {
+                let regions = C::regions(gain).iter().map(Expected::as_region);
+                gate.is_inside(&point, C::ANGLE, regions)
+            } else {
+                gate.is_inside(&point, C::ANGLE, std::iter::once(expected.as_region()))
+            };
+            if is_inside && !self.used[detection as usize] {
+                let innovation = angle::difference(&point, &expected.measurement, C::ANGLE);
+                let squared = expected.gaussian.squared_distance(&innovation);
+                found(detection, innovation, squared);
+            }
+        }
+    }
+
     /// Appends the unused detections that lie in a box.
     pub fn near<const D: usize>(&self, hull: &Hull<D>, angle: Option<usize>, near: &mut Vec<u32>) {
         let Some((centre, half)) = hull.centre(angle) else {

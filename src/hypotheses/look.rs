@@ -13,10 +13,11 @@ pub struct About {
     pub existence: f64,
 }
 
-impl Default for About {
-    fn default() -> Self {
+impl About {
+    /// Of a track that surely has a target.
+    pub fn of(origin: Option<u32>) -> Self {
         About {
-            origin: None,
+            origin,
             existence: 1.0,
         }
     }

@@ -10,21 +10,22 @@ pub mod bounds;
 pub mod certain;
 mod detections;
 mod likelihood_constants;
+mod locate;
 mod look;
+mod only;
 mod own;
 pub mod region;
 
 pub use likelihood_constants::{LikelihoodConstants, Likelihoods};
 pub use look::{About, Look};
+pub use only::Only;
 
 use crate::association::Needs;
 use crate::association::problem::{Edge, ScanProblem};
 use crate::filtering::{Corrector, Expected, Filter, Weighted, WithCorrector};
 use crate::gating::ellipsoidal::EllipsoidalGate;
-use crate::model::own::Own;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
-use crate::model::state::GaussianState;
 use crate::model::watch::{Halt, Watch};
 use detections::Detections;
 use std::ops::Range;
@@ -108,6 +109,21 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         about: &dyn Fn(u32) -> About,
         watch: &Watch,
     ) -> Result<(), Halt> {
+        self.write_among(look, problem_index, (beliefs, members, None), about, watch)
+    }
+
+    /// The same where what some of the tracks may have caused is told: the gate still decides.
+    ///
+    /// # Errors
+    /// As [`Hypotheses::write`].
+    pub fn write_among(
+        &mut self,
+        look: Look<F, F::Step>,
+        problem_index: u32,
+        (beliefs, members, only): (&mut [F::Belief], &[u32], Option<&Only>),
+        about: &dyn Fn(u32) -> About,
+        watch: &Watch,
+    ) -> Result<(), Halt> {
         self.problem.begin(problem_index, self.detections.len());
         self.rows.clear();
         self.p_d.clear();
@@ -120,47 +136,11 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             look,
             beliefs,
             members,
+            only,
             about,
             watch,
         };
         look.filter.correct(look.report, work).unwrap_or(Ok(()))
-    }
-
-    /// The kinematics that a detection tells by itself, if no track uses it; at its own time.
-    pub fn locate(
-        &self,
-        filter: &F,
-        report: &MeasurementModel,
-        speed_sigma_mps: f64,
-        (detection, own): (usize, &Own),
-    ) -> Option<GaussianState<K>> {
-        if self.detections.used[detection] {
-            return None;
-        }
-        let work = Locating {
-            detections: &self.detections,
-            detection,
-            own,
-            rate_sigma: filter.rate_sigma(speed_sigma_mps),
-        };
-        filter.correct(report, work).flatten()
-    }
-
-    /// The parts of those kinematics, where the filter begins among several.
-    pub fn parts(
-        &self,
-        filter: &F,
-        report: &MeasurementModel,
-        speed_sigma_mps: f64,
-        (detection, own): (usize, &Own),
-    ) -> Vec<GaussianState<K>> {
-        let work = LocatingParts(Locating {
-            detections: &self.detections,
-            detection,
-            own,
-            rate_sigma: filter.rate_sigma(speed_sigma_mps),
-        });
-        filter.correct(report, work).unwrap_or_default()
     }
 
     pub fn problem(&self) -> &ScanProblem {
@@ -259,6 +239,11 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         }
     }
 
+    /// Whether clutter is denser at some detections than at others.
+    pub fn has_log_clutter_ratios(&self) -> bool {
+        !self.log_clutter_ratios.is_empty()
+    }
+
     /// ln of the density of clutter at a detection over the sensor's.
     #[inline]
     pub fn log_clutter_ratio(&self, detection: usize) -> f64 {
@@ -294,7 +279,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         &mut self,
         corrector: &C,
         constants: &LikelihoodConstants,
-        origin: Option<u32>,
+        (origin, only): (Option<u32>, Option<&[u32]>),
         (expected, gain): &(Expected<D>, C::Gain),
     ) {
         let log_scale = corrector.log_clutter_scale(&expected.measurement);
@@ -312,6 +297,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             });
         };
         let (detections, gate) = (&self.detections, &self.gate);
+        let around = (expected, gain);
         match self.needs {
             // What the sensor does not see it does not report.
             Needs::OriginsInGates if constants.p_d <= 0.0 => self.problem.push_own(None),
@@ -320,18 +306,17 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             Needs::OriginsInGates => {
                 let own = detections.own(origin);
                 detections.of_target(origin, expected, C::ANGLE, &mut found);
-                detections.inside::<C, F, K, D>(
-                    gate,
-                    (expected, gain),
-                    |detection, innovation, squared| {
-                        if Some(detection) != own {
-                            found(detection, innovation, squared);
-                        }
-                    },
-                );
+                detections.inside::<C, F, K, D>(gate, around, |detection, innovation, squared| {
+                    if Some(detection) != own {
+                        found(detection, innovation, squared);
+                    }
+                });
                 self.problem.push_own(own);
             }
-            _ => detections.inside::<C, F, K, D>(gate, (expected, gain), found),
+            _ => match only {
+                None => detections.inside::<C, F, K, D>(gate, around, found),
+                Some(only) => detections.among::<C, F, K, D>(gate, around, only, found),
+            },
         }
     }
 
@@ -429,6 +414,7 @@ struct Writing<'a, F: Filter<K>, const K: usize> {
     look: Look<'a, F, F::Step>,
     beliefs: &'a mut [F::Belief],
     members: &'a [u32],
+    only: Option<&'a Only>,
     /// Called by name: a type of its own would compile all this once more for each caller.
     about: &'a dyn Fn(u32) -> About,
     watch: &'a Watch<'a>,
@@ -441,7 +427,7 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
     fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Result<(), Halt> {
         let has_own = !self.look.scan.own.is_empty();
         let bounds = has_own.then(|| own::Bounds::of(self.look.scan));
-        for &track in self.members {
+        for (nth, &track) in self.members.iter().enumerate() {
             let belief = &mut self.beliefs[track as usize];
             F::predict(self.look.step, belief);
             let Some(expected) = corrector.expect(belief) else {
@@ -451,8 +437,9 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
             let About { origin, existence } = (self.about)(track);
             let constants = self.likelihoods.of(existence, || F::kinematics(belief));
             let hypotheses = &mut *self.hypotheses;
+            let only = self.only.and_then(|only| only.of(nth));
             match &bounds {
-                None => hypotheses.push_edges(corrector, &constants, origin, &expected),
+                None => hypotheses.push_edges(corrector, &constants, (origin, only), &expected),
                 Some(bounds) => hypotheses.push_own_edges(&own::Track {
                     corrector,
                     belief: &*belief,
@@ -460,38 +447,12 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
                     bounds,
                     constants: &constants,
                     origin,
+                    only,
                 }),
             }
             hypotheses.end_row(corrector, &constants, track, &expected);
             self.hypotheses.check(self.look.scan, self.watch)?;
         }
         Ok(())
-    }
-}
-
-struct Locating<'a> {
-    detections: &'a Detections,
-    detection: usize,
-    own: &'a Own,
-    rate_sigma: f64,
-}
-
-impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Locating<'_> {
-    type Output = Option<GaussianState<K>>;
-
-    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
-        let values = self.detections.points::<D>()[self.detection];
-        corrector.locate(&values.into(), self.rate_sigma, self.own)
-    }
-}
-
-struct LocatingParts<'a>(Locating<'a>);
-
-impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for LocatingParts<'_> {
-    type Output = Vec<GaussianState<K>>;
-
-    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
-        let values = self.0.detections.points::<D>()[self.0.detection];
-        corrector.parts(&values.into(), self.0.rate_sigma, self.0.own)
     }
 }

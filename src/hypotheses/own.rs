@@ -58,6 +58,8 @@ pub(super) struct Track<'a, C, B> {
     pub bounds: &'a Bounds,
     pub constants: &'a LikelihoodConstants,
     pub origin: Option<u32>,
+    /// What alone it may have caused, where that is known.
+    pub only: Option<&'a [u32]>,
 }
 
 impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
@@ -87,7 +89,10 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
         }
         let mut near = std::mem::take(&mut self.near);
         near.clear();
-        find_near(&self.detections, &self.gate, track, &mut near);
+        match track.only {
+            None => find_near(&self.detections, &self.gate, track, &mut near),
+            Some(only) => near.extend(only.iter().filter(|&&at| !self.is_used(at as usize))),
+        }
         let gate = self.gate;
         for &detection in near.iter().filter(|&&detection| Some(detection) != own) {
             let point = SVector::from(self.detections.points::<D>()[detection as usize]);

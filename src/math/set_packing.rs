@@ -7,7 +7,43 @@
 //!    set of weight w with n elements gives each of them a share of w/n, so that what may still come is at most the sum over the free
 //!    elements of the largest share that any set gives them.
 //!
-//! Where a cluster takes more than so many steps, the best packing so far is kept.
+//! Where the elements of a cluster are too few for two of its sets, the heaviest is the best packing. Where one takes more than so many
+//! steps, the best packing so far is kept.
+
+/// Sets of elements, one after the other; memory is reused.
+#[derive(Debug, Clone, Default)]
+pub struct Sets {
+    elements: Vec<u32>,
+    /// Where each set ends.
+    ends: Vec<u32>,
+}
+
+impl Sets {
+    pub fn clear(&mut self) {
+        self.elements.clear();
+        self.ends.clear();
+    }
+
+    /// One more set: its elements in rising order, each once.
+    pub fn push(&mut self, elements: impl IntoIterator<Item = u32>) {
+        self.elements.extend(elements);
+        self.ends.push(self.elements.len() as u32);
+    }
+
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    pub fn of(&self, set: u32) -> &[u32] {
+        let at = set as usize;
+        let from = at.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.elements[from as usize..self.ends[at] as usize]
+    }
+}
 
 /// The chosen sets, in rising order.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -17,17 +53,26 @@ pub struct Packing {
     pub is_exact: bool,
 }
 
-/// Each of `sets` lists its elements in rising order, each once. Only sets of positive weight are chosen; weights are finite.
-/// `max_steps` bounds the sets that are tried in a cluster.
-pub fn pack(sets: &[Vec<u32>], weights: &[f64], max_steps: usize) -> Packing {
-    let usable = |&set: &u32| weights[set as usize] > 0.0 && !sets[set as usize].is_empty();
+/// Only sets of positive weight are chosen; weights are finite. `max_steps` bounds the sets that are tried in a cluster.
+pub fn pack(sets: &Sets, weights: &[f64], max_steps: usize) -> Packing {
+    let usable = |&set: &u32| weights[set as usize] > 0.0 && !sets.of(set).is_empty();
     let usable: Vec<u32> = (0..sets.len() as u32).filter(usable).collect();
     let mut packing = Packing {
         chosen: Vec::new(),
         is_exact: true,
     };
-    for cluster in clusters(sets, &usable) {
-        let mut search = Search::new(sets, weights, &cluster, max_steps);
+    let clusters = Clusters::new(sets, &usable);
+    let mut from = 0;
+    for (&end, &elements) in clusters.ends.iter().zip(&clusters.elements) {
+        let cluster = &clusters.sets[from as usize..end as usize];
+        from = end;
+        let least = cluster.iter().map(|&set| sets.of(set).len()).min();
+        // No two of them fit.
+        if (elements as usize) < 2 * least.unwrap_or(0) {
+            packing.chosen.extend(heaviest(cluster, weights));
+            continue;
+        }
+        let mut search = Search::new(sets, weights, cluster, max_steps);
         search.take_heaviest();
         search.run(0, 0.0);
         packing.is_exact &= search.steps_left > 0;
@@ -39,32 +84,79 @@ pub fn pack(sets: &[Vec<u32>], weights: &[f64], max_steps: usize) -> Packing {
     packing
 }
 
-/// Step 1.
-fn clusters(sets: &[Vec<u32>], usable: &[u32]) -> Vec<Vec<u32>> {
-    let all = usable.iter().flat_map(|&set| &sets[set as usize]);
-    let elements = all.max().map_or(0, |&most| most as usize + 1);
-    let mut parents: Vec<u32> = (0..elements as u32).collect();
-    for &set in usable {
-        for pair in sets[set as usize].windows(2) {
-            let (one, other) = (root(&mut parents, pair[0]), root(&mut parents, pair[1]));
-            parents[one.max(other) as usize] = one.min(other);
+/// The first of the heaviest.
+fn heaviest(cluster: &[u32], weights: &[f64]) -> Option<u32> {
+    let heavier = |best: u32, other: u32| {
+        let is_heavier = weights[other as usize] > weights[best as usize];
+        if is_heavier { other } else { best }
+    };
+    cluster.iter().copied().reduce(heavier)
+}
+
+/// Step 1: clusters in the order of their first sets.
+struct Clusters {
+    /// Those of each, one after the other.
+    sets: Vec<u32>,
+    /// Where each ends.
+    ends: Vec<u32>,
+    /// How many elements the sets of each have together.
+    elements: Vec<u32>,
+}
+
+impl Clusters {
+    fn new(sets: &Sets, usable: &[u32]) -> Self {
+        let elements = sets.elements.iter().max();
+        let elements = elements.map_or(0, |&most| most as usize + 1);
+        let mut parents: Vec<u32> = (0..elements as u32).collect();
+        for &set in usable {
+            for pair in sets.of(set).windows(2) {
+                let (one, other) = (root(&mut parents, pair[0]), root(&mut parents, pair[1]));
+                parents[one.max(other) as usize] = one.min(other);
+            }
+        }
+        let mut clusters = Clusters {
+            sets: vec![0; usable.len()],
+            ends: Vec::new(),
+            elements: Vec::new(),
+        };
+        let mut of_root = vec![u32::MAX; elements];
+        let mut is_counted = vec![false; elements];
+        let mut of_set = Vec::with_capacity(usable.len());
+        for &set in usable {
+            let place = &mut of_root[root(&mut parents, sets.of(set)[0]) as usize];
+            if *place == u32::MAX {
+                *place = clusters.ends.len() as u32;
+                clusters.ends.push(0);
+                clusters.elements.push(0);
+            }
+            clusters.ends[*place as usize] += 1;
+            for &element in sets.of(set) {
+                let is_known = std::mem::replace(&mut is_counted[element as usize], true);
+                clusters.elements[*place as usize] += u32::from(!is_known);
+            }
+            of_set.push(*place);
+        }
+        clusters.sort(usable, &of_set);
+        clusters
+    }
+
+    /// Counting sort of the sets by cluster, whose sizes are in `ends`.
+    fn sort(&mut self, usable: &[u32], of_set: &[u32]) {
+        let mut total = 0;
+        for end in &mut self.ends {
+            total += *end;
+            *end = total - *end;
+        }
+        for (&set, &cluster) in usable.iter().zip(of_set) {
+            let place = &mut self.ends[cluster as usize];
+            self.sets[*place as usize] = set;
+            *place += 1;
         }
     }
-    let mut of_root = vec![u32::MAX; elements];
-    let mut clusters: Vec<Vec<u32>> = Vec::new();
-    for &set in usable {
-        let place = &mut of_root[root(&mut parents, sets[set as usize][0]) as usize];
-        if *place == u32::MAX {
-            *place = clusters.len() as u32;
-            clusters.push(Vec::new());
-        }
-        clusters[*place as usize].push(set);
-    }
-    clusters
 }
 
 /// The root of an element's tree; the way there becomes shorter.
-fn root(parents: &mut [u32], mut element: u32) -> u32 {
+pub fn root(parents: &mut [u32], mut element: u32) -> u32 {
     while parents[element as usize] != element {
         let above = parents[parents[element as usize] as usize];
         parents[element as usize] = above;
@@ -89,15 +181,15 @@ struct Search {
 }
 
 impl Search {
-    fn new(sets: &[Vec<u32>], weights: &[f64], cluster: &[u32], max_steps: usize) -> Self {
+    fn new(sets: &Sets, weights: &[f64], cluster: &[u32], max_steps: usize) -> Self {
         let mut elements: Vec<u32> = Vec::new();
         for &set in cluster {
-            elements.extend(&sets[set as usize]);
+            elements.extend(sets.of(set));
         }
         elements.sort_unstable();
         elements.dedup();
         let own = |&set: &u32| {
-            let numbers = sets[set as usize].iter();
+            let numbers = sets.of(set).iter();
             let numbers = numbers.map(|element| elements.partition_point(|other| other < element));
             (numbers.collect(), weights[set as usize])
         };
@@ -193,6 +285,14 @@ mod tests {
     use crate::math::rng::{Purpose, Seed};
     use rand::RngExt;
 
+    fn flat(sets: &[Vec<u32>]) -> Sets {
+        let mut flat = Sets::default();
+        for set in sets {
+            flat.push(set.iter().copied());
+        }
+        flat
+    }
+
     /// The weight of the best packing, by trying all.
     fn by_force(sets: &[Vec<u32>], weights: &[f64]) -> f64 {
         let mut best = 0.0f64;
@@ -225,7 +325,7 @@ mod tests {
                 .iter()
                 .map(|_| 10.0 * draw.random::<f64>() - 2.0)
                 .collect();
-            let packing = pack(&sets, &weights, 1_000_000);
+            let packing = pack(&flat(&sets), &weights, 1_000_000);
             assert!(packing.is_exact);
             let mut used = [false; 12];
             let mut weight = 0.0;
@@ -247,14 +347,10 @@ mod tests {
             let all: Vec<u32> = (0..kept.len() as u32)
                 .filter(|&set| kept_weights[set as usize] > 0.0)
                 .collect();
-            let greedy: f64 = clusters(&kept_sets, &all)
-                .iter()
-                .map(|cluster| {
-                    let mut search = Search::new(&kept_sets, &kept_weights, cluster, 1);
-                    search.take_heaviest();
-                    search.best_weight
-                })
-                .sum();
+            let kept_sets = flat(&kept_sets);
+            let mut search = Search::new(&kept_sets, &kept_weights, &all, 1);
+            search.take_heaviest();
+            let greedy = search.best_weight;
             greedy_fails += u32::from(greedy < best - 1e-9);
         }
         assert!(
@@ -266,9 +362,9 @@ mod tests {
     #[test]
     fn without_steps_the_heaviest_are_taken_and_told() {
         let sets = vec![vec![0, 1], vec![0], vec![1]];
-        let packing = pack(&sets, &[3.0, 2.0, 2.0], 1);
+        let packing = pack(&flat(&sets), &[3.0, 2.0, 2.0], 1);
         assert_eq!((packing.chosen, packing.is_exact), (vec![0], false));
-        let packing = pack(&sets, &[3.0, 2.0, 2.0], 100);
+        let packing = pack(&flat(&sets), &[3.0, 2.0, 2.0], 100);
         assert_eq!((packing.chosen, packing.is_exact), (vec![1, 2], true));
     }
 
@@ -284,7 +380,7 @@ mod tests {
         let weights: Vec<f64> = (0..30_000)
             .map(|index| 1.0 + f64::from(index % 7))
             .collect();
-        let packing = pack(&sets, &weights, 1000);
+        let packing = pack(&flat(&sets), &weights, 1000);
         assert!(packing.is_exact && packing.chosen.len() >= 15_000);
     }
 }

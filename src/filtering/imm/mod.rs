@@ -37,6 +37,7 @@ pub use settings::{METHOD, Models};
 
 use super::motions::AnyMotion;
 use super::{Corrector, Filter, Reports, Way, Weighted, WithCorrector};
+use crate::model::motion::wander;
 use crate::model::own::Own;
 use crate::model::sensing::{Dispatch, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::{GaussianState, packed_len};
@@ -323,6 +324,12 @@ where
             .zip(probabilities)
             .map(|(motion, probability)| probability * motion.rate_variance(dt_s))
             .sum()
+    }
+
+    fn most_rate_variance(&self, dt_s: f64, speed_mps: f64) -> f64 {
+        let motions = self.motions.iter().take(self.models.count());
+        let of_each = motions.map(|motion| wander(motion, dt_s, speed_mps));
+        of_each.fold(0.0, f64::max)
     }
 
     fn rate_sigma(&self, speed_sigma_mps: f64) -> f64 {

@@ -14,7 +14,7 @@ use super::{Belief, mean_of};
 use crate::filtering::motions::AnyMotion;
 use crate::filtering::smoothing::Passage;
 use crate::filtering::{Corrector, Expected, Filter, Reports, Way, Weighted, WithCorrector};
-use crate::model::motion::Motion;
+use crate::model::motion::{Motion, wander};
 use crate::model::own::Own;
 use crate::model::sensing::{Dispatch, MAX_RANGES, MeasurementModel, Sensing, WithSensing};
 use crate::model::state::GaussianState;
@@ -130,6 +130,10 @@ impl Filter<4> for RangeParametrised {
 
     fn rate_variance(&self, dt_s: f64) -> f64 {
         Motion::<4>::rate_variance(&self.motion, dt_s)
+    }
+
+    fn most_rate_variance(&self, dt_s: f64, speed_mps: f64) -> f64 {
+        wander::<_, 4>(&self.motion, dt_s, speed_mps)
     }
 
     fn rate_sigma(&self, speed_sigma_mps: f64) -> f64 {

@@ -43,6 +43,10 @@ impl Motion<4> for CoordinatedTurn {
     fn rate_variance(&self, dt_s: f64) -> f64 {
         self.step(dt_s).rate_variance(2, dt_s, 0.0)
     }
+
+    fn bend_mps(&self, speed_mps: f64, dt_s: f64) -> f64 {
+        self.turn_rate_radps.abs() * speed_mps * dt_s
+    }
 }
 
 /// What a turn by u does; all digits for any u, 0 too.

@@ -35,6 +35,18 @@ pub trait Motion<const N: usize>: Copy + Send + 'static {
 
     /// Variance of a rate at the end of `dt_s` around the mean rate of that time, as far as the model's own noise goes.
     fn rate_variance(&self, dt_s: f64) -> f64;
+
+    /// By how much the model itself, without noise, changes a velocity of this size in `dt_s`, at most; of a turn that is not known one
+    /// standard deviation.
+    fn bend_mps(&self, _speed_mps: f64, _dt_s: f64) -> f64 {
+        0.0
+    }
+}
+
+/// Variance of the difference of the mean rates before and after a moment within `dt_s`, with what the model does to a target of this
+/// speed without noise. Around white acceleration it is that of the rate at the end around the mean.
+pub fn wander<M: Motion<N>, const N: usize>(motion: &M, dt_s: f64, speed_mps: f64) -> f64 {
+    motion.rate_variance(dt_s) + (motion.bend_mps(speed_mps, dt_s) / 2.0).powi(2)
 }
 
 /// F of a motion x ← F x + b, column by column.

@@ -66,4 +66,9 @@ impl Motion<4> for OrnsteinUhlenbeck {
     fn rate_variance(&self, dt_s: f64) -> f64 {
         self.step(dt_s).linear.rate_variance(2, dt_s, 0.0)
     }
+
+    fn bend_mps(&self, speed_mps: f64, dt_s: f64) -> f64 {
+        let [east, north] = self.mean_velocity_mps;
+        self.damping_per_s * dt_s * (speed_mps + east.hypot(north))
+    }
 }

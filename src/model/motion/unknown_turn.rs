@@ -77,6 +77,10 @@ impl Motion<5> for UnknownTurn {
     fn rate_variance(&self, dt_s: f64) -> f64 {
         self.spectral_density * dt_s / 3.0
     }
+
+    fn bend_mps(&self, speed_mps: f64, dt_s: f64) -> f64 {
+        self.initial_sigma * speed_mps * dt_s
+    }
 }
 
 impl Step {

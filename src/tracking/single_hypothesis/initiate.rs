@@ -6,8 +6,9 @@ use super::scratch::Scratch;
 use super::{ActiveTrack, Memory, SingleHypothesis};
 use crate::association::Needs;
 use crate::filtering::Filter;
-use crate::hypotheses::Likelihoods;
+use crate::hypotheses::{Hypotheses, Likelihoods};
 use crate::math::gaussian::gate_threshold;
+use crate::model::own::Own;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
 use crate::model::space::Space;
@@ -107,15 +108,11 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         point: &Point<K>,
         (scan, report): (&Scan, &MeasurementModel),
     ) -> F::Belief {
-        let sigma_mps = self.lifecycle.initial_speed_sigma_mps;
         let detection = point.detection as usize;
         let own = scan.own_of(detection);
-        let hypotheses = &self.scratch.hypotheses;
-        let mut parts = hypotheses.parts(&self.filter, report, sigma_mps, (detection, &own));
-        for part in &mut parts {
-            *part = part.coasted::<K>(-own.after_s);
-        }
-        self.filter.begin_among(&point.in_scan(), &parts)
+        let look = (&self.filter, &self.scratch.hypotheses, report);
+        let sigma_mps = self.lifecycle.initial_speed_sigma_mps;
+        root_belief(look, (point, detection, &own), sigma_mps)
     }
 
     pub(super) fn start_with_one(
@@ -250,6 +247,20 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             }],
         });
     }
+}
+
+/// What is believed of a target of which a detection alone is known: a point, its place among those of the hypotheses and what it has of
+/// its own.
+pub(super) fn root_belief<F: Filter<K>, const K: usize>(
+    (filter, hypotheses, report): (&F, &Hypotheses<F, K>, &MeasurementModel),
+    (point, detection, own): (&Point<K>, usize, &Own),
+    speed_sigma_mps: f64,
+) -> F::Belief {
+    let mut parts = hypotheses.parts(filter, report, speed_sigma_mps, (detection, own));
+    for part in &mut parts {
+        *part = part.coasted::<K>(-own.after_s);
+    }
+    filter.begin_among(&point.in_scan(), &parts)
 }
 
 /// What makes two points a pair, where tracks begin with two. Kinematics have so many variables.

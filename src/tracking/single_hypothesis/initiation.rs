@@ -111,7 +111,7 @@ static MULTI_SCAN: Object = Object {
         ),
         default(
             "max_nodes",
-            "How many ways from detection to detection of a sensor are kept at once; the least likely of each first detection go first, which is told.",
+            "How many threes of detections that may follow each other are kept of a scan, and how many ways from detection to detection of a choice; the crookedest threes and the least likely ways of each first detection go first, which is told.",
             whole(100, 1_000_000, ""),
             "20000",
         ),

@@ -88,7 +88,7 @@ struct Memory<B, const K: usize> {
     /// Scans taken.
     scans: u32,
     initiator: Initiator<K>,
-    beginnings: Beginnings<B, K>,
+    beginnings: Beginnings<K>,
     /// Targets that were never detected.
     intensity: Intensity<B>,
     /// What became of detections that no track wanted.

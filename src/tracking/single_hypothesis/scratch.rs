@@ -1,5 +1,6 @@
 //! Memory that the tracker writes anew at each scan.
 
+use super::multi_scan::{Past, Ways};
 use super::undetected::Newborn;
 use crate::association::Needs;
 use crate::association::problem::Weights;
@@ -22,6 +23,9 @@ pub(super) struct Scratch<F: Filter<K>, const K: usize> {
     pub left: Vec<f64>,
     /// What each detection would make of undetected targets.
     pub newborn: Vec<Newborn<F::Belief, K>>,
+    /// Of tracks that begin over several scans.
+    pub ways: Ways<F, K>,
+    pub past: Vec<Past<F::Belief>>,
 }
 
 impl<F: Filter<K>, const K: usize> Scratch<F, K> {
@@ -36,6 +40,8 @@ impl<F: Filter<K>, const K: usize> Scratch<F, K> {
             belief: Vec::new(),
             left: Vec::new(),
             newborn: Vec::new(),
+            ways: Ways::new(gate_probability, needs),
+            past: Vec::new(),
         }
     }
 

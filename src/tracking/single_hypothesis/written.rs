@@ -93,7 +93,7 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
         waiting: waiting
             .map(|points| points.iter().map(write_waiting).collect())
             .collect(),
-        beginnings: memory.beginnings.write::<F>(),
+        beginnings: memory.beginnings.write(),
         intensity: memory.intensity.write::<F, K>(),
         counted: memory.counted,
         rays: memory
@@ -138,8 +138,7 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
         last_time_s: written.last_time_s.map(f64::from_bits),
         scans: written.scans,
         initiator: Initiator::default(),
-        beginnings: Beginnings::read::<F>(&written.beginnings)
-            .ok_or_else(|| refuse(&"a beginning"))?,
+        beginnings: Beginnings::read(&written.beginnings).ok_or_else(|| refuse(&"a beginning"))?,
         intensity: Intensity::read::<F, K>(&written.intensity)
             .ok_or_else(|| refuse(&"an intensity"))?,
         counted: written.counted,

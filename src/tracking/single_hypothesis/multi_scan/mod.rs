@@ -21,24 +21,32 @@
 //! 4. A beginning has lived through its scans: its hits and misses count for confirmation and deletion. Its past points are estimates in
 //!    the light of all its detections; scans that missed it are coasted.
 //!
-//! More than `max_nodes` ways are cut: of each root the best go first. That is told.
+//! A scan is kept as it was, and nothing of step 2 is done before the choice. Then it is done with the detections alone that a root of the
+//! oldest scan competes for: of each three that may follow each other ([`threes`]) the detections are linked, and what is not linked to
+//! such a root decides nothing.
+//!
+//! More than `max_nodes` threes of a scan, or ways of a choice, are cut: of threes the straightest, of each root the best ways go first.
+//! That is told.
 
 mod choose;
+mod links;
+mod threes;
+mod ways;
 mod written;
 
 use super::SingleHypothesis;
-use super::initiation::{Point, SPEED_REACH, reach_m};
-use super::lifecycle::Lifecycle;
+use super::initiation::{Point, SPEED_REACH};
 use crate::filtering::Filter;
-use crate::hypotheses::{About, Look};
-use crate::math::gaussian::gate_threshold;
+use crate::gating::grid::Grid;
 use crate::model::scan::Scan;
 use crate::model::sensing::MeasurementModel;
 use crate::model::watch::{Halt, Watch};
 use crate::tracking::recorder::Recorder;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
+use threes::{Mark, Pairs, Search, Spread, Three};
 
+pub(super) use ways::{Past, Ways};
 pub(super) use written::WrittenBeginnings;
 
 /// Sets that are tried in a cluster of beginnings.
@@ -54,47 +62,36 @@ pub struct MultiScan {
     pub max_nodes: u32,
 }
 
-/// A way through the scans of a window, as far as one of them.
-#[derive(Debug, Clone, Copy)]
-struct Node<B> {
-    /// In the layer before; none of a root.
-    parent: Option<u32>,
-    /// Number of the layer of its root, and the detection there.
-    root: u32,
-    first: u32,
-    /// Of the root.
-    origin: Option<u32>,
-    /// Its index in its scan; none where the scan missed it.
-    detection: Option<u32>,
-    hits: u32,
-    /// Scans since the last detection.
-    gap: u32,
-    score: f64,
-    /// What the scan added to the score.
-    log_ratio: f64,
-    /// P_D there over the highest of the sensors.
-    share: f64,
-    nis: Option<f64>,
-    belief: B,
-}
-
 /// One scan of the window.
 #[derive(Debug, Clone)]
-struct Layer<B, const K: usize> {
+struct Layer<const K: usize> {
     /// Of the scans of its sensor.
     number: u32,
     scan_index: u32,
-    time_s: f64,
-    /// Of each detection that no track used, if it tells where its target is.
-    points: Vec<Option<Point<K>>>,
-    nodes: Vec<Node<B>>,
+    /// L of a root in it.
+    log_odds: f64,
+    /// With the detections alone that no track used and that tell where their target is.
+    scan: Scan,
+    /// Parallel to them, as all that follows. ln of the density of clutter over the sensor's; empty where it is that everywhere.
+    log_clutter_ratios: Vec<f64>,
+    points: Vec<Point<K>>,
+    marks: Vec<Mark>,
+    /// By a beginning.
+    is_used: Vec<bool>,
+    spread: Spread,
+    grid: Grid,
+    pairs: Pairs,
+    /// Those that end here.
+    threes: Vec<Three>,
 }
 
 /// What waits to begin, of one sensor.
 #[derive(Debug, Clone)]
-struct OfSensor<B, const K: usize> {
+struct OfSensor<const K: usize> {
     /// The oldest first.
-    layers: VecDeque<Layer<B, K>>,
+    layers: VecDeque<Layer<K>>,
+    /// Their memory is reused.
+    spare: Vec<Layer<K>>,
     scans: u32,
     counts: Counts,
 }
@@ -119,10 +116,11 @@ impl Counts {
     }
 }
 
-impl<B, const K: usize> Default for OfSensor<B, K> {
+impl<const K: usize> Default for OfSensor<K> {
     fn default() -> Self {
         OfSensor {
             layers: VecDeque::new(),
+            spare: Vec::new(),
             scans: 0,
             counts: Counts::default(),
         }
@@ -131,16 +129,16 @@ impl<B, const K: usize> Default for OfSensor<B, K> {
 
 /// What waits to begin, of each sensor.
 #[derive(Debug, Clone)]
-pub(super) struct Beginnings<B, const K: usize>(Vec<OfSensor<B, K>>);
+pub(super) struct Beginnings<const K: usize>(Vec<OfSensor<K>>);
 
-impl<B, const K: usize> Default for Beginnings<B, K> {
+impl<const K: usize> Default for Beginnings<K> {
     fn default() -> Self {
         Beginnings(Vec::new())
     }
 }
 
-impl<B, const K: usize> Beginnings<B, K> {
-    fn of(&mut self, sensor: usize) -> &mut OfSensor<B, K> {
+impl<const K: usize> Beginnings<K> {
+    fn of(&mut self, sensor: usize) -> &mut OfSensor<K> {
         if self.0.len() <= sensor {
             self.0.resize_with(sensor + 1, OfSensor::default);
         }
@@ -155,8 +153,8 @@ impl<B, const K: usize> Beginnings<B, K> {
         let mut warnings = Vec::new();
         if cut > 0 {
             warnings.push(format!(
-                "beginnings: {cut} of the ways from detection to detection were cut, the least likely of each first; a larger \
-                 max_nodes, or a lower max_speed_mps, keeps more"
+                "beginnings: {cut} of the ways from detection to detection were cut, the crookedest and the least likely of each first; a \
+                 larger max_nodes, or a lower max_speed_mps, keeps more"
             ));
         }
         if inexact > 0 {
@@ -165,6 +163,63 @@ impl<B, const K: usize> Beginnings<B, K> {
             ));
         }
         warnings
+    }
+}
+
+impl<const K: usize> Layer<K> {
+    fn new(scan: Scan) -> Self {
+        Layer {
+            number: 0,
+            scan_index: 0,
+            log_odds: 0.0,
+            scan,
+            log_clutter_ratios: Vec::new(),
+            points: Vec::new(),
+            marks: Vec::new(),
+            is_used: Vec::new(),
+            spread: Spread::default(),
+            grid: Grid::default(),
+            pairs: Pairs::default(),
+            threes: Vec::new(),
+        }
+    }
+
+    /// The same memory for the detections of another scan.
+    fn clear(&mut self, scan: &Scan) {
+        let Scan {
+            mut detections,
+            mut own,
+            ..
+        } = std::mem::replace(&mut self.scan, without_detections(scan));
+        detections.clear();
+        own.clear();
+        (self.scan.detections, self.scan.own) = (detections, own);
+        self.log_clutter_ratios.clear();
+        self.points.clear();
+        self.pairs.clear();
+        self.threes.clear();
+    }
+
+    /// Sorts the points.
+    fn arrange(&mut self) {
+        self.marks.clear();
+        self.marks.extend(self.points.iter().map(Mark::of));
+        self.is_used.clear();
+        self.is_used.resize(self.points.len(), false);
+        self.spread = Spread::of(&self.marks, self.scan.time_s);
+        let places: Vec<[f64; 3]> = self.marks.iter().map(Mark::place).collect();
+        self.grid.rebuild(&places);
+    }
+}
+
+fn without_detections(scan: &Scan) -> Scan {
+    Scan {
+        number: scan.number,
+        time_s: scan.time_s,
+        sensor: scan.sensor,
+        pose: scan.pose,
+        detections: Vec::new(),
+        own: Vec::new(),
     }
 }
 
@@ -177,233 +232,80 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         recorder: &mut dyn Recorder,
         watch: &Watch,
     ) -> Result<(), Halt> {
-        let points = (0..scan.detections.len()).map(|index| self.point_of(scan, report, index));
-        let points: Vec<Option<Point<K>>> = points.collect();
         let mut waiting = std::mem::take(self.memory.beginnings.of(scan.sensor));
-        let mut layer = Layer {
-            number: waiting.scans,
-            scan_index: self.memory.scans,
-            time_s: scan.time_s,
-            points,
-            nodes: Vec::new(),
-        };
-        waiting.scans += 1;
-        self.go_on(rule, (scan, report), &waiting, &mut layer, watch)?;
-        self.add_roots((scan, report), &waiting.counts, &mut layer);
-        waiting.counts.cut += cut(&mut layer.nodes, rule.max_nodes as usize);
+        let mut layer = self.layer_of((scan, report), &mut waiting);
+        if rule.min_detections > 2 {
+            let search = Search::new::<F, K>(
+                (rule, self.associator.needs()),
+                (&self.filter, &self.lifecycle),
+                (report, self.max_speed_mps(rule)),
+                self.scratch.ways.slack,
+            );
+            let found =
+                search.connect(&self.filter, (&waiting.layers, &mut layer), (scan, watch))?;
+            waiting.counts.cut += found;
+        }
         waiting.layers.push_back(layer);
         if waiting.layers.len() >= rule.window_scans as usize {
-            let known_s = scan.time_s;
-            self.decide(rule, scan.sensor, &mut waiting, (known_s, false), recorder);
+            self.decide(rule, &mut waiting, (scan.time_s, false), recorder, watch)?;
         }
         *self.memory.beginnings.of(scan.sensor) = waiting;
         Ok(())
     }
 
-    /// Step 2.
-    fn go_on(
-        &mut self,
-        rule: &MultiScan,
+    /// Decides the rest, for no scan follows.
+    pub(super) fn decide_rest(&mut self, rule: &MultiScan, recorder: &mut dyn Recorder) {
+        let known_s = self.memory.last_time_s.unwrap_or(0.0);
+        for sensor in 0..self.sensors.len() {
+            let mut waiting = std::mem::take(self.memory.beginnings.of(sensor));
+            if !waiting.layers.is_empty() {
+                let end = (known_s, true);
+                let decided = self.decide(rule, &mut waiting, end, recorder, &Watch::never());
+                // Too many ways to tell which is best.
+                waiting.counts.inexact += u64::from(decided.is_err());
+            }
+            *self.memory.beginnings.of(sensor) = waiting;
+        }
+    }
+
+    /// The highest speed of a target between its first two detections.
+    fn max_speed_mps(&self, rule: &MultiScan) -> f64 {
+        let told_mps = SPEED_REACH * self.lifecycle.initial_speed_sigma_mps;
+        rule.max_speed_mps.unwrap_or(told_mps)
+    }
+
+    /// What no track used of a scan.
+    fn layer_of(
+        &self,
         (scan, report): (&Scan, &MeasurementModel),
-        waiting: &OfSensor<F::Belief, K>,
-        layer: &mut Layer<F::Belief, K>,
-        watch: &Watch,
-    ) -> Result<(), Halt> {
-        let Some(last) = waiting.layers.back().filter(|last| !last.nodes.is_empty()) else {
-            return Ok(());
-        };
-        let mut beliefs: Vec<F::Belief> = last.nodes.iter().map(|node| node.belief).collect();
-        let members: Vec<u32> = (0..beliefs.len() as u32).collect();
-        let look = Look {
-            filter: &self.filter,
-            sensor: &self.sensors[scan.sensor],
-            report,
-            scan,
-            step: &self.filter.step(scan.time_s - last.time_s),
-        };
-        let about = |leaf: u32| About {
-            origin: last.nodes[leaf as usize].origin,
-            ..About::default()
-        };
-        let reach = Reach::new::<K>(rule, &self.lifecycle);
-        let hypotheses = &mut self.scratch.hypotheses;
-        hypotheses.write(look, 0, (&mut beliefs, &members), &about, watch)?;
-        for row in 0..hypotheses.problem().rows().len() {
-            let leaf = hypotheses.track(row);
-            let way = Way {
-                parent: leaf as u32,
-                node: Node {
-                    share: hypotheses.p_d(row) / self.highest_p_d,
-                    belief: beliefs[leaf],
-                    ..last.nodes[leaf]
-                },
-                scans_left: rule
-                    .window_scans
-                    .saturating_sub(layer.number - last.nodes[leaf].root + 1),
+        waiting: &mut OfSensor<K>,
+    ) -> Layer<K> {
+        let spare = waiting.spare.pop();
+        let mut layer = spare.unwrap_or_else(|| Layer::new(without_detections(scan)));
+        layer.clear(scan);
+        layer.number = waiting.scans;
+        layer.scan_index = self.memory.scans;
+        layer.log_odds = waiting.counts.log_odds();
+        waiting.scans += 1;
+        let hypotheses = &self.scratch.hypotheses;
+        for (index, detection) in scan.detections.iter().enumerate() {
+            let Some(point) = self.point_of(scan, report, index) else {
+                continue;
             };
-            let log_missed = hypotheses.problem().rows()[row].log_missed;
-            layer.nodes.extend(way.missed(rule, log_missed));
-            for edge in hypotheses.problem().rows()[row].edges() {
-                let found = hypotheses.problem().edges()[edge];
-                let second = layer.points[found.detection as usize].as_ref();
-                if !reach.allows(waiting, &way.node, second) {
-                    continue;
-                }
-                if let Some(mut hit) = way.hit(rule, found.detection, found.log_likelihood) {
-                    hit.nis = Some(hypotheses.fit(edge));
-                    hypotheses.take(row, edge, &mut hit.belief);
-                    layer.nodes.push(hit);
-                }
+            layer.points.push(point);
+            layer.scan.detections.push(*detection);
+            if !scan.own.is_empty() {
+                layer.scan.own.push(scan.own[index]);
             }
-            if watch.stops_after(64) {
-                return Err(Halt::Stopped);
+            if hypotheses.has_log_clutter_ratios() {
+                let ratio = hypotheses.log_clutter_ratio(index);
+                layer.log_clutter_ratios.push(ratio);
             }
         }
-        Ok(())
-    }
-
-    /// Step 1.
-    fn add_roots(
-        &self,
-        (scan, report): (&Scan, &MeasurementModel),
-        counts: &Counts,
-        layer: &mut Layer<F::Belief, K>,
-    ) {
-        let score = counts.log_odds();
-        for (index, point) in layer.points.iter().enumerate() {
-            if let Some(point) = point {
-                layer.nodes.push(Node {
-                    parent: None,
-                    root: layer.number,
-                    first: index as u32,
-                    origin: point.origin,
-                    detection: Some(index as u32),
-                    hits: 1,
-                    gap: 0,
-                    score,
-                    log_ratio: 0.0,
-                    share: 1.0,
-                    nis: None,
-                    belief: self.belief_of(point, (scan, report)),
-                });
-            }
-        }
+        layer.arrange();
+        layer
     }
 }
 
-/// How far apart the first two detections may be.
-struct Reach {
-    max_speed_mps: f64,
-    /// γ.
-    gate_threshold: f64,
-}
-
-impl Reach {
-    /// Of places with `K / 2` coordinates.
-    fn new<const K: usize>(rule: &MultiScan, lifecycle: &Lifecycle) -> Self {
-        let told_mps = SPEED_REACH * lifecycle.initial_speed_sigma_mps;
-        Reach {
-            max_speed_mps: rule.max_speed_mps.unwrap_or(told_mps),
-            gate_threshold: gate_threshold(lifecycle.gate_probability, (K / 2) as u32),
-        }
-    }
-
-    /// Whether `second` may follow a way; one that does not say where its target is may. Directions have no speed.
-    fn allows<B, const K: usize>(
-        &self,
-        waiting: &OfSensor<B, K>,
-        node: &Node<B>,
-        second: Option<&Point<K>>,
-    ) -> bool {
-        let Some(oldest) = waiting.layers.front().filter(|_| node.hits == 1 && K > 2) else {
-            return true;
-        };
-        let root = &waiting.layers[(node.root - oldest.number) as usize];
-        let first = root.points[node.first as usize].as_ref();
-        first.zip(second).is_none_or(|(first, second)| {
-            let (distance_m, most_m) =
-                reach_m(first, second, self.max_speed_mps, self.gate_threshold);
-            distance_m <= most_m
-        })
-    }
-}
-
-/// A way that goes on into a scan, with the belief that is expected there.
-struct Way<B> {
-    parent: u32,
-    node: Node<B>,
-    /// Of the window, after this one.
-    scans_left: u32,
-}
-
-impl<B: Copy> Way<B> {
-    fn missed(&self, rule: &MultiScan, log_missed: f64) -> Option<Node<B>> {
-        let node = Node {
-            parent: Some(self.parent),
-            detection: None,
-            gap: self.node.gap + 1,
-            score: self.node.score + log_missed,
-            log_ratio: log_missed,
-            nis: None,
-            ..self.node
-        };
-        let may_last = node.gap <= rule.max_gap_scans && self.may_suffice(rule, &node);
-        may_last.then_some(node)
-    }
-
-    fn hit(&self, rule: &MultiScan, detection: u32, log_likelihood: f64) -> Option<Node<B>> {
-        let node = Node {
-            parent: Some(self.parent),
-            detection: Some(detection),
-            hits: self.node.hits + 1,
-            gap: 0,
-            score: self.node.score + log_likelihood,
-            log_ratio: log_likelihood,
-            ..self.node
-        };
-        self.may_suffice(rule, &node).then_some(node)
-    }
-
-    /// Whether enough detections may still come.
-    fn may_suffice(&self, rule: &MultiScan, node: &Node<B>) -> bool {
-        node.hits + self.scans_left >= rule.min_detections
-    }
-}
-
-/// Keeps so many ways: of each root the best first. Tells how many were cut.
-fn cut<B>(nodes: &mut Vec<Node<B>>, most: usize) -> u64 {
-    if nodes.len() <= most {
-        return 0;
-    }
-    let mut order: Vec<usize> = (0..nodes.len()).collect();
-    let root = |at: usize| (nodes[at].root, nodes[at].first);
-    order.sort_by(|&a, &b| {
-        root(a)
-            .cmp(&root(b))
-            .then(nodes[b].score.total_cmp(&nodes[a].score))
-    });
-    let mut rank_of = vec![0; nodes.len()];
-    for (place, &at) in order.iter().enumerate().skip(1) {
-        let before = order[place - 1];
-        rank_of[at] = if root(at) == root(before) {
-            rank_of[before] + 1
-        } else {
-            0
-        };
-    }
-    order.sort_by(|&a, &b| {
-        let by_rank = rank_of[a].cmp(&rank_of[b]);
-        by_rank
-            .then(nodes[b].score.total_cmp(&nodes[a].score))
-            .then(a.cmp(&b))
-    });
-    let mut is_kept = vec![false; nodes.len()];
-    order.iter().take(most).for_each(|&at| is_kept[at] = true);
-    let cut = nodes.len() - most;
-    let mut at = 0;
-    nodes.retain(|_| {
-        at += 1;
-        is_kept[at - 1]
-    });
-    cut as u64
-}
+#[cfg(test)]
+mod tests;

@@ -57,7 +57,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             step: &self.filter.step(0.0),
         };
         let (hypotheses, newborn) = (&mut self.scratch.hypotheses, &mut self.scratch.newborn);
-        hypotheses.write(look, 0, (beliefs, &members), &|_| About::default(), watch)?;
+        hypotheses.write(look, 0, (beliefs, &members), &|_| About::of(None), watch)?;
         for row in 0..hypotheses.problem().rows().len() {
             let part = hypotheses.track(row);
             for edge in hypotheses.problem().rows()[row].edges() {
