@@ -44,21 +44,13 @@ fn meeting_scan(plan: &MeetingTargets, scenario: &Scenario) -> usize {
 
 fn walk(plan: &MeetingTargets, scenario: &Scenario, draw: &mut ChaCha8Rng) -> Vec<TruthPoint> {
     let period_s = scenario.scan_period_s;
-    let mut normal = |sigma: f64| pair(draw) * sigma;
     let meeting = meeting_scan(plan, scenario);
-    let start_m = Position::new(plan.x_m, plan.y_m) + normal(plan.sigma_m);
-    let start_mps = normal(plan.speed_sigma_mps);
-    let mut noise = || {
-        let (a, b) = (normal(1.0), normal(1.0));
-        let place_m = a * (plan.process_noise_m2ps3 * period_s.powi(3) / 3.0).sqrt();
-        let speed_mps =
-            (a * 3.0f64.sqrt() + b) * (plan.process_noise_m2ps3 * period_s).sqrt() / 2.0;
-        (place_m, speed_mps)
-    };
+    let start_m = Position::new(plan.x_m, plan.y_m) + pair(draw) * plan.sigma_m;
+    let start_mps = pair(draw) * plan.speed_sigma_mps;
     let mut places_m = vec![start_m];
     let (mut place_m, mut velocity_mps) = (start_m, start_mps);
     for _ in 0..meeting {
-        let (more_m, more_mps) = noise();
+        let (more_m, more_mps) = noise(plan, period_s, draw);
         velocity_mps -= more_mps;
         place_m -= more_m + velocity_mps * period_s;
         places_m.push(place_m);
@@ -66,7 +58,7 @@ fn walk(plan: &MeetingTargets, scenario: &Scenario, draw: &mut ChaCha8Rng) -> Ve
     places_m.reverse();
     (place_m, velocity_mps) = (start_m, start_mps);
     for _ in meeting + 1..scenario.scans as usize {
-        let (more_m, more_mps) = noise();
+        let (more_m, more_mps) = noise(plan, period_s, draw);
         place_m += velocity_mps * period_s + more_m;
         velocity_mps += more_mps;
         places_m.push(place_m);
@@ -75,6 +67,17 @@ fn walk(plan: &MeetingTargets, scenario: &Scenario, draw: &mut ChaCha8Rng) -> Ve
     places
         .map(|(scan, place_m)| TruthPoint::in_plane(scan as f64 * period_s, place_m, None))
         .collect()
+}
+
+/// What the noise adds between two scans to a place and to a velocity.
+fn noise(plan: &MeetingTargets, period_s: f64, draw: &mut ChaCha8Rng) -> (Position, Position) {
+    let (a, b) = (pair(draw), pair(draw));
+    let q = plan.process_noise_m2ps3;
+    let place_m = a * (q * period_s.powi(3) / 3.0).sqrt();
+    (
+        place_m,
+        (a * 3.0f64.sqrt() + b) * (q * period_s).sqrt() / 2.0,
+    )
 }
 
 fn pair(draw: &mut ChaCha8Rng) -> Position {

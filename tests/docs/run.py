@@ -42,6 +42,8 @@ PARTS = {
     '{"method": "imm"': lambda part: ("associate", {
         "input": DETECTIONS, "sensors": SENSORS, "associator": {"method": "jpda"}, "filter": json.loads(part)}),
     '{"initiation":': lambda part: ("associate", {"input": DETECTIONS, "sensors": SENSORS, "tracker": json.loads(part)}),
+    '{"tracker":': lambda part: ("associate", {
+        "input": DETECTIONS, "sensors": SENSORS, "associator": {"method": "jpda"}, **json.loads(part)}),
     '"from": [': "a part of a report",
     '{"truth_id":': "a part of a report",
 }

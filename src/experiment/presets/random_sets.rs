@@ -34,9 +34,6 @@ fn campaign() -> Preset {
         &poisson_multi_bernoulli("")["tracker"],
     );
     apart["set"][0]["value"]["against_coalescence"] = json!("best_permutation");
-    let m_of_n = |hits: u32, window: u32, missed: u32| {
-        settings(json!({"confirm_hits": hits, "confirm_window": window, "max_missed": missed}))
-    };
     let variants = [
         variant(
             "GNN 2/3, 3 misses",
@@ -88,6 +85,14 @@ fn campaign() -> Preset {
             ]
         }),
     }
+}
+
+fn quantity(name: &str, path: &str) -> Value {
+    json!({"name": name, "path": format!("metrics.{path}")})
+}
+
+fn m_of_n(hits: u32, window: u32, missed: u32) -> Value {
+    settings(json!({"confirm_hits": hits, "confirm_window": window, "max_missed": missed}))
 }
 
 fn variant(name: &str, associator: &str, tracker: &Value) -> Value {

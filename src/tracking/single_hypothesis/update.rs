@@ -14,11 +14,11 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     pub(super) fn update(&mut self, row: usize, scan: &Scan, recorder: &mut dyn Recorder) {
         let posterior = self.posterior(row, scan);
         let scale = posterior.map_or(1.0, |posterior| posterior.scale);
+        let (detected, missed, weighted_nis) = self.list_candidates(row, posterior);
         let Scratch {
             hypotheses,
             weights,
             weighted,
-            candidates,
             ..
         } = &mut self.scratch;
         let log_ratio = if self.lifecycle.is_scored() {
@@ -33,26 +33,6 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             weighted,
             &mut self.memory.beliefs[index],
         );
-        candidates.clear();
-        let (mut detected, mut weighted_nis) = (0.0, 0.0);
-        for edge in hypotheses.problem().rows()[row].edges() {
-            let weight = weights.edges[edge] * scale;
-            if weight > 0.0 {
-                detected += weight;
-                weighted_nis += weight * hypotheses.fit(edge);
-                candidates.push(Candidate {
-                    detection: Some(hypotheses.problem().edges()[edge].detection),
-                    probability: weight,
-                });
-            }
-        }
-        let missed = posterior.map_or(weights.missed[row], |posterior| posterior.missed);
-        if missed > 0.0 {
-            candidates.push(Candidate {
-                detection: None,
-                probability: missed,
-            });
-        }
         let bit = 1 << scan.sensor.min(63);
         let finds_targets = self.memory.finders & bit != 0;
         let (track, belief) = self.memory.track_mut(index);
@@ -86,6 +66,39 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             let nis = (detected > 0.0).then(|| weighted_nis / detected);
             self.record(index, scan, nis, recorder);
         }
+    }
+
+    /// Lists what may have continued a row's track, if that exists. Tells the weight of all detections, of none, and the weighted
+    /// sum of normalised innovations squared.
+    fn list_candidates(&mut self, row: usize, posterior: Option<Posterior>) -> (f64, f64, f64) {
+        let Scratch {
+            hypotheses,
+            weights,
+            candidates,
+            ..
+        } = &mut self.scratch;
+        let scale = posterior.map_or(1.0, |posterior| posterior.scale);
+        candidates.clear();
+        let (mut detected, mut weighted_nis) = (0.0, 0.0);
+        for edge in hypotheses.problem().rows()[row].edges() {
+            let weight = weights.edges[edge] * scale;
+            if weight > 0.0 {
+                detected += weight;
+                weighted_nis += weight * hypotheses.fit(edge);
+                candidates.push(Candidate {
+                    detection: Some(hypotheses.problem().edges()[edge].detection),
+                    probability: weight,
+                });
+            }
+        }
+        let missed = posterior.map_or(weights.missed[row], |posterior| posterior.missed);
+        if missed > 0.0 {
+            candidates.push(Candidate {
+                detection: None,
+                probability: missed,
+            });
+        }
+        (detected, missed, weighted_nis)
     }
 
     /// What the scan leaves of the existence of a row's track, if it has one.

@@ -1,3 +1,5 @@
+//! The worked numbers of existence.
+
 use super::*;
 use crate::association::ASSOCIATORS;
 use crate::association::problem::Edge;

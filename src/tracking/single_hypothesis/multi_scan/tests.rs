@@ -256,6 +256,7 @@ fn parts(filter: AnyFilter, kind: Kind, rule: MultiScan, associator: &str) -> Tr
             report: kind.model(),
             sight: None,
         }],
+        undetected: None,
         given: Vec::new(),
     }
 }

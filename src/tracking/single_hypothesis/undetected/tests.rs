@@ -1,3 +1,5 @@
+//! What is kept of undetected targets.
+
 use super::*;
 
 type Packed = [f64; 1];
