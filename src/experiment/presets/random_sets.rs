@@ -26,8 +26,6 @@ pub(super) fn williams() -> Vec<Preset> {
 fn campaign() -> Preset {
     let mut base = body("", &poisson_multi_bernoulli("jpda"));
     base["kind"] = json!("evaluate");
-    let quantity =
-        |name: &str, path: &str| json!({"name": name, "path": format!("metrics.{path}")});
     let mut apart = variant(
         "PMB, JPDA*",
         "jpda",

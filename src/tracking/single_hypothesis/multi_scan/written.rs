@@ -77,22 +77,45 @@ fn is_sound<const K: usize>(sensor: &OfSensor<K>) -> bool {
     let layers = &sensor.layers;
     layers.iter().enumerate().all(|(index, layer)| {
         let follows = u64::from(layer.number) == u64::from(layers[0].number) + index as u64;
-        let is_one = |before: usize, detection: u32| {
-            let at = index.checked_sub(before).and_then(|at| layers.get(at));
-            at.is_some_and(|layer| (detection as usize) < layer.points.len())
-        };
-        let pairs = layer.pairs.0.iter().enumerate().all(|(gap, pairs)| {
-            let is_pair = |&[one, two]: &[u32; 2]| is_one(gap + 1, one) && is_one(0, two);
-            gap >= index || pairs.iter().all(is_pair)
-        });
-        let is_three = |three: &Three| {
-            let [first, second] = three.before;
-            let [one, two, last] = three.detections;
-            let rises = first > second && second > 0;
-            rises && is_one(first as usize, one) && is_one(second as usize, two) && is_one(0, last)
-        };
-        follows && pairs && layer.threes.iter().all(is_three)
+        let mut pairs = layer.pairs.0.iter().enumerate();
+        follows
+            && pairs.all(|(gap, pairs)| {
+                gap >= index || pairs.iter().all(|pair| is_pair(sensor, index, gap, pair))
+            })
+            && layer
+                .threes
+                .iter()
+                .all(|three| is_three(sensor, index, three))
     })
+}
+
+/// Whether there is such a detection so many layers before one.
+fn has_detection<const K: usize>(
+    sensor: &OfSensor<K>,
+    index: usize,
+    (before, detection): (usize, u32),
+) -> bool {
+    let at = index.checked_sub(before);
+    let layer = at.and_then(|at| sensor.layers.get(at));
+    layer.is_some_and(|layer| (detection as usize) < layer.points.len())
+}
+
+fn is_pair<const K: usize>(
+    sensor: &OfSensor<K>,
+    index: usize,
+    gap: usize,
+    &[one, two]: &[u32; 2],
+) -> bool {
+    has_detection(sensor, index, (gap + 1, one)) && has_detection(sensor, index, (0, two))
+}
+
+fn is_three<const K: usize>(sensor: &OfSensor<K>, index: usize, three: &Three) -> bool {
+    let ([first, second], [one, two, last]) = (three.before, three.detections);
+    first > second
+        && second > 0
+        && has_detection(sensor, index, (first as usize, one))
+        && has_detection(sensor, index, (second as usize, two))
+        && has_detection(sensor, index, (0, last))
 }
 
 fn write_layer<const K: usize>(layer: &Layer<K>) -> WrittenLayer {

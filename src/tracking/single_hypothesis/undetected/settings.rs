@@ -59,22 +59,14 @@ impl BirthComponent {
     pub fn kinematics<const K: usize>(&self) -> GaussianState<K> {
         let places = [self.x_m, self.y_m, self.z_m];
         let rates = [self.vx_mps, self.vy_mps, self.vz_mps];
-        let mean = |at: usize| match at.checked_sub(K / 2) {
-            None => places[at],
-            Some(rate) => rates[rate],
-        };
-        let sigma = |at: usize| {
-            if at < K / 2 {
-                self.sigma_m
-            } else {
-                self.speed_sigma_mps
-            }
-        };
-        let variances = SVector::<f64, K>::from_fn(|at, _| sigma(at) * sigma(at));
-        GaussianState {
-            mean: SVector::from_fn(|at, _| mean(at)),
-            covariance: SMatrix::from_diagonal(&variances),
+        let (mut mean, mut covariance) = (SVector::zeros(), SMatrix::zeros());
+        for (coordinate, (place, rate)) in places.into_iter().zip(rates).enumerate().take(K / 2) {
+            let at_rate = coordinate + K / 2;
+            (mean[coordinate], mean[at_rate]) = (place, rate);
+            covariance[(coordinate, coordinate)] = self.sigma_m.powi(2);
+            covariance[(at_rate, at_rate)] = self.speed_sigma_mps.powi(2);
         }
+        GaussianState { mean, covariance }
     }
 }
 
