@@ -2,6 +2,7 @@
 //! log-likelihood, and what "no detection" costs. It is split into clusters (tracks connected by shared candidates);
 //! an associator sees one cluster at a time. All memory is reused from scan to scan.
 
+use crate::math::disjoint_sets;
 use crate::model::watch::Watch;
 
 /// A track's candidate. `log_likelihood` is ln(P_D · N(ν; 0, S) / λ), to be compared with the row's `log_missed`.
@@ -304,7 +305,7 @@ impl<'a> Problem<'a> {
 /// Connected components of rows that share detections, by union–find.
 #[derive(Debug, Clone, Default)]
 struct Clusters {
-    /// Parent of each row.
+    /// Parent of each row; a cluster's root is its first row.
     parent: Vec<u32>,
     /// The first row that wanted each detection.
     wanted_by: Vec<u32>,
@@ -320,8 +321,7 @@ const NOBODY: u32 = u32::MAX;
 
 impl Clusters {
     fn find(&mut self, rows: &[Row], edges: &[Edge], detections: usize) {
-        self.parent.clear();
-        self.parent.extend(0..rows.len() as u32);
+        disjoint_sets::reset(&mut self.parent, rows.len());
         self.wanted_by.clear();
         self.wanted_by.resize(detections, NOBODY);
         for (index, row) in rows.iter().enumerate() {
@@ -330,28 +330,11 @@ impl Clusters {
                 if *other == NOBODY {
                     *other = index as u32;
                 } else {
-                    let other = *other;
-                    self.join(other, index as u32);
+                    disjoint_sets::join(&mut self.parent, *other, index as u32);
                 }
             }
         }
         self.group(rows);
-    }
-
-    /// Joins two sets under the smaller root, so that a cluster's root is its first row.
-    fn join(&mut self, left: u32, right: u32) {
-        let (left, right) = (self.root(left), self.root(right));
-        let (low, high) = (left.min(right), left.max(right));
-        self.parent[high as usize] = low;
-    }
-
-    fn root(&mut self, mut row: u32) -> u32 {
-        while self.parent[row as usize] != row {
-            let above = self.parent[self.parent[row as usize] as usize];
-            self.parent[row as usize] = above;
-            row = above;
-        }
-        row
     }
 
     /// Counting sort of the rows that have candidates by cluster.
@@ -360,7 +343,7 @@ impl Clusters {
         self.cluster_of.resize(rows.len(), NOBODY);
         self.ends.clear();
         for row in 0..rows.len() as u32 {
-            let root = self.root(row) as usize;
+            let root = disjoint_sets::root(&mut self.parent, row) as usize;
             if rows[row as usize].count > 0 {
                 if self.cluster_of[root] == NOBODY {
                     self.cluster_of[root] = self.ends.len() as u32;
@@ -379,7 +362,7 @@ impl Clusters {
         self.members.resize(total as usize, 0);
         for row in 0..rows.len() as u32 {
             if rows[row as usize].count > 0 {
-                let root = self.root(row) as usize;
+                let root = disjoint_sets::root(&mut self.parent, row) as usize;
                 let end = &mut self.ends[self.cluster_of[root] as usize];
                 self.members[*end as usize] = row;
                 *end += 1;

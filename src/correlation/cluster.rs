@@ -9,6 +9,7 @@
 //! each sensor, or [`NONE`]. Cost and link are looked up by sensor, so that nothing is stored for tracks that are not linked.
 
 use super::problem::{CorrelationProblem, Costs};
+use crate::math::disjoint_sets;
 
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -34,19 +35,19 @@ pub(super) struct Cluster<'a> {
 
 /// All clusters of two tracks or more, in the order of their first tracks.
 pub(super) fn clusters(problem: &CorrelationProblem) -> Vec<Cluster<'_>> {
-    let mut root_of: Vec<u32> = (0..problem.tracks() as u32).collect();
+    let mut parents = Vec::new();
+    disjoint_sets::reset(&mut parents, problem.tracks());
     for track in 0..problem.tracks() as u32 {
         for link in problem
             .links(track)
             .iter()
             .filter(|link| connects(problem, link.cost))
         {
-            let (left, right) = (root(&mut root_of, track), root(&mut root_of, link.track));
-            root_of[left.max(right) as usize] = left.min(right);
+            disjoint_sets::join(&mut parents, track, link.track);
         }
     }
     let roots: Vec<u32> = (0..problem.tracks() as u32)
-        .map(|track| root(&mut root_of, track))
+        .map(|track| disjoint_sets::root(&mut parents, track))
         .collect();
     let mut members: Vec<Vec<u32>> = vec![Vec::new(); problem.tracks()];
     for (track, &root) in roots.iter().enumerate() {
@@ -62,14 +63,6 @@ pub(super) fn clusters(problem: &CorrelationProblem) -> Vec<Cluster<'_>> {
 
 fn connects(problem: &CorrelationProblem, cost: f64) -> bool {
     cost < 0.0 || matches!(problem.costs, Costs::Joint(_))
-}
-
-fn root(root_of: &mut [u32], mut track: u32) -> u32 {
-    while root_of[track as usize] != track {
-        root_of[track as usize] = root_of[root_of[track as usize] as usize];
-        track = root_of[track as usize];
-    }
-    track
 }
 
 impl<'a> Cluster<'a> {

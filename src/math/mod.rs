@@ -2,6 +2,7 @@
 //! streams of random numbers.
 
 pub mod assignment;
+pub mod disjoint_sets;
 pub mod fuzzy_c_means;
 pub mod gaussian;
 pub mod rng;

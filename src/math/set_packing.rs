@@ -10,6 +10,8 @@
 //! Where the elements of a cluster are too few for two of its sets, the heaviest is the best packing. Where one takes more than so many
 //! steps, the best packing so far is kept.
 
+use super::disjoint_sets;
+
 /// Sets of elements, one after the other; memory is reused.
 #[derive(Debug, Clone, Default)]
 pub struct Sets {
@@ -107,11 +109,11 @@ impl Clusters {
     fn new(sets: &Sets, usable: &[u32]) -> Self {
         let elements = sets.elements.iter().max();
         let elements = elements.map_or(0, |&most| most as usize + 1);
-        let mut parents: Vec<u32> = (0..elements as u32).collect();
+        let mut parents = Vec::new();
+        disjoint_sets::reset(&mut parents, elements);
         for &set in usable {
             for pair in sets.of(set).windows(2) {
-                let (one, other) = (root(&mut parents, pair[0]), root(&mut parents, pair[1]));
-                parents[one.max(other) as usize] = one.min(other);
+                disjoint_sets::join(&mut parents, pair[0], pair[1]);
             }
         }
         let mut clusters = Clusters {
@@ -123,7 +125,7 @@ impl Clusters {
         let mut is_counted = vec![false; elements];
         let mut of_set = Vec::with_capacity(usable.len());
         for &set in usable {
-            let place = &mut of_root[root(&mut parents, sets.of(set)[0]) as usize];
+            let place = &mut of_root[disjoint_sets::root(&mut parents, sets.of(set)[0]) as usize];
             if *place == u32::MAX {
                 *place = clusters.ends.len() as u32;
                 clusters.ends.push(0);
@@ -153,16 +155,6 @@ impl Clusters {
             *place += 1;
         }
     }
-}
-
-/// The root of an element's tree; the way there becomes shorter.
-pub fn root(parents: &mut [u32], mut element: u32) -> u32 {
-    while parents[element as usize] != element {
-        let above = parents[parents[element as usize] as usize];
-        parents[element as usize] = above;
-        element = above;
-    }
-    element
 }
 
 /// Steps 2 and 3 in one cluster, whose sets and elements have numbers of their own.

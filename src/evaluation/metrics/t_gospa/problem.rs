@@ -9,6 +9,7 @@
 
 use crate::evaluation::comparison::{ComparedStep, Comparison};
 use crate::evaluation::metrics::cutoff::Cutoff;
+use crate::math::disjoint_sets;
 
 /// A pair within the cutoff at one step, by places in its cluster.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,20 +74,18 @@ impl std::ops::AddAssign for Tally {
 
 pub fn clusters(comparison: &Comparison, cutoff: Cutoff) -> Vec<Cluster> {
     let truths = comparison.truth_ids.len();
-    let mut roots: Vec<usize> = (0..truths + comparison.track_ids.len()).collect();
+    let mut parents = Vec::new();
+    disjoint_sets::reset(&mut parents, truths + comparison.track_ids.len());
     let steps: Vec<Vec<Near>> = comparison
         .steps
         .iter()
         .map(|step| near_pairs(comparison, step, cutoff))
         .collect();
     for pair in steps.iter().flatten() {
-        let (one, other) = (
-            root(&mut roots, pair.truth),
-            root(&mut roots, truths + pair.track),
-        );
-        roots[one.max(other)] = one.min(other);
+        let track = truths + pair.track;
+        disjoint_sets::join(&mut parents, pair.truth as u32, track as u32);
     }
-    gather(&steps, truths, &mut roots)
+    gather(&steps, truths, &mut parents)
 }
 
 /// The pairs of a step that gain anything.
@@ -108,12 +107,12 @@ fn near_pairs(comparison: &Comparison, step: &ComparedStep, cutoff: Cutoff) -> V
 }
 
 /// Deals the pairs out to their clusters, in the order of the clusters' first truths.
-fn gather(steps: &[Vec<Near>], truths: usize, roots: &mut [usize]) -> Vec<Cluster> {
+fn gather(steps: &[Vec<Near>], truths: usize, parents: &mut [u32]) -> Vec<Cluster> {
     let mut clusters: Vec<Cluster> = Vec::new();
-    let mut cluster_of = vec![None; roots.len()];
-    let mut place_of = vec![0; roots.len()];
+    let mut cluster_of = vec![None; parents.len()];
+    let mut place_of = vec![0; parents.len()];
     for (member, place) in place_of.iter_mut().enumerate() {
-        let root = root(roots, member);
+        let root = disjoint_sets::root(parents, member as u32) as usize;
         // A cluster's smallest member is its root, and a truth; alone it has no pair.
         let cluster = *cluster_of[root].get_or_insert_with(|| {
             clusters.push(Cluster::default());
@@ -130,8 +129,8 @@ fn gather(steps: &[Vec<Near>], truths: usize, roots: &mut [usize]) -> Vec<Cluste
     let mut last_step = vec![usize::MAX; clusters.len()];
     for (index, step) in steps.iter().enumerate() {
         for pair in step {
-            let cluster =
-                cluster_of[root(roots, pair.truth)].expect("every member was given a cluster");
+            let root = disjoint_sets::root(parents, pair.truth as u32) as usize;
+            let cluster = cluster_of[root].expect("every member was given a cluster");
             if std::mem::replace(&mut last_step[cluster], index) != index {
                 clusters[cluster].steps.push(Vec::new());
             }
@@ -149,13 +148,4 @@ fn gather(steps: &[Vec<Near>], truths: usize, roots: &mut [usize]) -> Vec<Cluste
     }
     clusters.retain(|cluster| !cluster.steps.is_empty());
     clusters
-}
-
-/// The root of a member in the forest, halving the path to it.
-fn root(roots: &mut [usize], mut member: usize) -> usize {
-    while roots[member] != member {
-        roots[member] = roots[roots[member]];
-        member = roots[member];
-    }
-    member
 }

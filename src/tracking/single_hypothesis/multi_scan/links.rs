@@ -3,7 +3,7 @@
 use super::threes::Three;
 use super::ways::Node;
 use super::{MultiScan, OfSensor};
-use crate::math::set_packing;
+use crate::math::disjoint_sets;
 
 /// Which detections a due root competes for. Memory is reused, as all here.
 #[derive(Debug, Default)]
@@ -45,14 +45,13 @@ impl Links {
             |(index, three): &(usize, Three)| is_last || three.before[0] as usize == *index;
         let has_due = threes(waiting).any(|three| is_due(&three));
         if has_due {
-            self.parents.clear();
-            self.parents.extend(0..total);
+            disjoint_sets::reset(&mut self.parents, total as usize);
             self.is_due.clear();
             self.is_due.resize(total as usize, false);
             self.link(waiting);
             for three in threes(waiting).filter(is_due) {
                 let [root, ..] = self.numbers(&three);
-                self.is_due[set_packing::root(&mut self.parents, root) as usize] = true;
+                self.is_due[disjoint_sets::root(&mut self.parents, root) as usize] = true;
             }
             self.want(waiting);
         }
@@ -64,9 +63,7 @@ impl Links {
         for three in threes(waiting) {
             let [first, rest @ ..] = self.numbers(&three);
             for other in rest {
-                let one = set_packing::root(&mut self.parents, first);
-                let other = set_packing::root(&mut self.parents, other);
-                self.parents[one.max(other) as usize] = one.min(other);
+                disjoint_sets::join(&mut self.parents, first, other);
             }
         }
     }
@@ -75,7 +72,7 @@ impl Links {
     fn want<const K: usize>(&mut self, waiting: &OfSensor<K>) {
         for (index, three) in threes(waiting) {
             let numbers = self.numbers(&(index, three));
-            if self.is_due[set_packing::root(&mut self.parents, numbers[0]) as usize] {
+            if self.is_due[disjoint_sets::root(&mut self.parents, numbers[0]) as usize] {
                 for number in numbers {
                     self.is_wanted[number as usize] = true;
                 }
