@@ -447,3 +447,32 @@ fn what_a_tracker_of_undetected_targets_does_not_take_is_refused() {
         ["/tracker/undetected"]
     );
 }
+
+/// A sensor that begins no tracks lets targets go undetected for long; what is too light to matter is forgotten all the same.
+#[test]
+fn undetected_targets_take_no_more_memory_with_time() {
+    let pmb = TRACKERS
+        .iter()
+        .find(|entry| entry.name == "poisson_multi_bernoulli");
+    let mut parts = parts();
+    parts.sensors[0].may_start = false;
+    let mut tracker = (pmb.unwrap().build)(parts);
+    let mut written = Vec::new();
+    for number in 0..400 {
+        let scan = Scan {
+            number,
+            time_s: f64::from(number),
+            sensor: 0,
+            pose: None,
+            detections: Vec::new(),
+            own: Vec::new(),
+        };
+        tracker
+            .step(&scan, &mut Points::default(), &Watch::never())
+            .unwrap();
+        written.push(tracker.write_down().len());
+    }
+    assert!(written[30] > 1000, "there are parts: {}", written[30]);
+    let (early, late) = (written[30] as f64, written[399] as f64);
+    assert!(late < 1.2 * early, "{early} and then {late} bytes");
+}

@@ -81,12 +81,13 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     /// Step 2 of what is the same everywhere.
     fn add_everywhere(&mut self, scan: &Scan, report: &MeasurementModel) {
         let sensor = &self.sensors[scan.sensor];
-        let ratio = match self.undetected.as_ref().map(|rule| &rule.births) {
-            Some(Births::Counted) => self.memory.counted.odds(),
+        // A count says how often such a detection is a target, however much clutter there is; a density does not.
+        let (ratio, is_counted) = match self.undetected.as_ref().map(|rule| &rule.births) {
+            Some(Births::Counted) => (self.memory.counted.odds(), true),
             Some(Births::Uniform { .. }) => {
                 let ratio = sensor.p_d * self.memory.intensity.density / sensor.clutter_density;
                 self.memory.intensity.density *= 1.0 - sensor.p_d;
-                ratio
+                (ratio, false)
             }
             _ => return,
         };
@@ -95,10 +96,10 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 continue;
             };
             let belief = self.belief_of(&point, (scan, report));
-            // A count says how often such a detection is a target, however much clutter there is; a density does not.
-            let there = match self.undetected.as_ref().map(|rule| &rule.births) {
-                Some(Births::Counted) => ratio,
-                _ => ratio * (-self.scratch.hypotheses.log_clutter_ratio(index)).exp(),
+            let there = if is_counted {
+                ratio
+            } else {
+                ratio * (-self.scratch.hypotheses.log_clutter_ratio(index)).exp()
             };
             if there > 0.0 {
                 self.scratch.newborn[index].add::<F>(there, belief);
@@ -143,6 +144,5 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             let track = self.start((&point, scan.time_s), &first, &belief, recorder);
             self.memory.push(track, belief);
         }
-        self.memory.intensity.prune();
     }
 }

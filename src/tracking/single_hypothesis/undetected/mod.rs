@@ -69,6 +69,7 @@ impl<B: Copy> Intensity<B> {
         rule: &Undetected,
         (dt_s, is_first): (f64, bool),
     ) {
+        self.prune();
         let (step, survival) = (filter.step(dt_s), survival(dt_s, rule.lifetime_s));
         self.density *= survival;
         for (weight, belief) in self.weights.iter_mut().zip(&mut self.beliefs) {
