@@ -134,10 +134,7 @@ fn body() -> Value {
 pub fn simulated(run: u32) -> (Scenario, TruthSet, Recording) {
     let scenario = body()["base"]["input"]["scenario"].take();
     let scenario: Scenario = serde_json::from_value(scenario).expect("it says all of a scenario");
-    let seed = Seed {
-        seed: 1,
-        run: run.into(),
-    };
+    let seed = Seed { seed: 1, run };
     let simulated =
         trackloom_domain::simulation::simulate(&scenario, seed, &mut |_| ControlFlow::Continue(()));
     let simulated = simulated

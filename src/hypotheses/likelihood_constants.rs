@@ -63,16 +63,11 @@ impl<'a> Likelihoods<'a> {
         existence: f64,
         kinematics: impl FnOnce() -> GaussianState<K>,
     ) -> LikelihoodConstants {
-        match self.sight {
-            None if existence == 1.0 => self.usual,
-            None => {
-                let detected = (self.usual.p_d, existence);
-                LikelihoodConstants::of(detected, self.sensor, self.gate_probability)
-            }
-            Some((sight, from_m)) => {
-                let p_d = sight.mean_p_d(&kinematics(), &from_m);
-                LikelihoodConstants::of((p_d, existence), self.sensor, self.gate_probability)
-            }
-        }
+        let p_d = match self.sight {
+            None if existence == 1.0 => return self.usual,
+            None => self.usual.p_d,
+            Some((sight, from_m)) => sight.mean_p_d(&kinematics(), &from_m),
+        };
+        LikelihoodConstants::of((p_d, existence), self.sensor, self.gate_probability)
     }
 }

@@ -17,20 +17,17 @@ pub(super) fn williams() -> Vec<Preset> {
                   the Poisson multi-Bernoulli filter, judged by GOSPA."
             .to_owned(),
         kind: JobKind::Evaluate,
-        body: body("williams2015-pmb", &poisson_multi_bernoulli("jpda")),
+        body: body("williams2015-pmb"),
     };
     vec![alone, campaign()]
 }
 
 /// P_D by trackers.
 fn campaign() -> Preset {
-    let mut base = body("", &poisson_multi_bernoulli("jpda"));
+    let mut base = body("");
     base["kind"] = json!("evaluate");
-    let mut apart = variant(
-        "PMB, JPDA*",
-        "jpda",
-        &poisson_multi_bernoulli("")["tracker"],
-    );
+    let pmb = poisson_multi_bernoulli();
+    let mut apart = variant("PMB, JPDA*", "jpda", &pmb);
     apart["set"][0]["value"]["against_coalescence"] = json!("best_permutation");
     let variants = [
         variant(
@@ -51,12 +48,8 @@ fn campaign() -> Preset {
         variant("JPDA 3/5, 5 misses", "jpda", &m_of_n(3, 5, 5)),
         variant("JIPDA, one point", "jpda", &existence("one_point")),
         variant("JIPDA, multi-scan", "jpda", &existence("multi_scan")),
-        variant(
-            "PMB, GNN",
-            "global_nearest_neighbour",
-            &poisson_multi_bernoulli("")["tracker"],
-        ),
-        variant("PMB", "jpda", &poisson_multi_bernoulli("")["tracker"]),
+        variant("PMB, GNN", "global_nearest_neighbour", &pmb),
+        variant("PMB", "jpda", &pmb),
         apart,
     ];
     Preset {
@@ -116,19 +109,19 @@ fn existence(initiation: &str) -> Value {
     }))
 }
 
-/// Associator and tracker, with the births of the scene.
-fn poisson_multi_bernoulli(associator: &str) -> Value {
+/// With the births of the scene.
+fn poisson_multi_bernoulli() -> Value {
     let birth = json!({
         "expected_per_s": 0.005, "expected_at_start": 3.0, "x_m": 100.0, "y_m": 100.0, "sigma_m": 150.0, "speed_sigma_mps": 1.0
     });
-    let tracker = settings(json!({"method": "poisson_multi_bernoulli", "undetected": {
+    settings(json!({"method": "poisson_multi_bernoulli", "undetected": {
         "births": {"method": "gaussian", "components": [birth]},
         "lifetime_s": LIFETIME_S
-    }}));
-    json!({"associator": {"method": associator}, "tracker": tracker})
+    }}))
 }
 
-fn body(name: &str, tracking: &Value) -> Value {
+/// Tracked by the Poisson multi-Bernoulli filter.
+fn body(name: &str) -> Value {
     json!({
         "name": name,
         "seed": 1,
@@ -144,9 +137,9 @@ fn body(name: &str, tracking: &Value) -> Value {
                 "sigma_m": 0.1f64.sqrt(), "speed_sigma_mps": 0.1f64.sqrt(), "process_noise_m2ps3": 0.02
             }
         }},
-        "associator": tracking["associator"],
+        "associator": {"method": "jpda"},
         "filter": {"method": "kalman", "process_noise_m2ps3": 0.02},
-        "tracker": tracking["tracker"],
+        "tracker": poisson_multi_bernoulli(),
         "comparison": {"gate_m": 10.0},
         "metrics": [{"metric": "gospa", "cutoff_m": 10.0}, {"metric": "t_gospa", "cutoff_m": 10.0}]
     })

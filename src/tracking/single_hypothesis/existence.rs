@@ -23,7 +23,7 @@
 //! A sensor that is not taken to see a track ([`super::lifecycle`]) says nothing by a miss: then m = r.
 
 use crate::association::problem::{ScanProblem, Weights};
-use crate::registry::{Bound, Kind, Object, above, default};
+use crate::registry::{Bound, Field, Kind, Object, above, default};
 use crate::tracking::bits;
 use serde::{Deserialize, Serialize};
 
@@ -62,14 +62,16 @@ pub(super) static EXISTENCE: Object = Object {
             },
             "0.01",
         ),
-        default(
-            "lifetime_s",
-            "How long a target lasts on average: it survives dt with the probability e^(-dt/lifetime_s).",
-            above(0.0, 1e9, "s"),
-            "1000.0",
-        ),
+        LIFETIME,
     ],
 };
+
+pub(super) const LIFETIME: Field = default(
+    "lifetime_s",
+    "How long a target lasts on average: it survives dt with the probability e^(-dt/lifetime_s).",
+    above(0.0, 1e9, "s"),
+    "1000.0",
+);
 
 /// What a scan leaves of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,6 +83,13 @@ pub(super) struct Posterior {
     /// The weight of none, of a target that exists.
     pub missed: f64,
 }
+
+/// Surely without a target.
+const GONE: Posterior = Posterior {
+    existence: 0.0,
+    scale: 0.0,
+    missed: 1.0,
+};
 
 /// Step 1.
 pub(super) fn survival(dt_s: f64, lifetime_s: f64) -> f64 {
@@ -110,10 +119,13 @@ pub(super) fn after(
     if is_soft {
         let detected: f64 = weights.edges[edges].iter().sum();
         let (after, missed) = (detected + missed * if_missed, missed * if_missed);
+        if after <= 0.0 {
+            return GONE;
+        }
         return Posterior {
             existence: after.min(1.0),
-            scale: if after > 0.0 { 1.0 / after } else { 0.0 },
-            missed: if after > 0.0 { missed / after } else { 1.0 },
+            scale: 1.0 / after,
+            missed: missed / after,
         };
     }
     let chosen = edges.into_iter().find(|&edge| weights.edges[edge] > 0.0);

@@ -27,9 +27,12 @@ fn worked_example() -> Tracks {
         .collect()
 }
 
+/// Detected tracks, and used detections.
+type Used = (Vec<usize>, Vec<u32>);
+
 /// Of the events with the same detected tracks and used detections the likeliest one.
 fn star_by_brute_force(tracks: &Tracks) -> Vec<Vec<f64>> {
-    let mut best: BTreeMap<(Vec<usize>, Vec<u32>), (Vec<usize>, f64)> = BTreeMap::new();
+    let mut best: BTreeMap<Used, (Vec<usize>, f64)> = BTreeMap::new();
     for (choices, log_weight) in every_event(tracks) {
         let hits = || {
             choices.iter().enumerate().filter_map(|(track, &choice)| {

@@ -40,6 +40,16 @@ pub(super) struct Three {
     pub strain: f64,
 }
 
+impl Three {
+    fn new(before: [u32; 2], detections: [u32; 3], strain: f64) -> Self {
+        Three {
+            before,
+            detections,
+            strain,
+        }
+    }
+}
+
 /// What is looked at of a detection.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mark {
@@ -296,12 +306,7 @@ impl<'a> Search<'a> {
                     rate_variance,
                 };
                 self.find(two_of, newest, |three, strain| {
-                    let detections = [one, two, three];
-                    threes.push(Three {
-                        before,
-                        detections,
-                        strain,
-                    });
+                    threes.push(Three::new(before, [one, two, three], strain));
                 });
                 stop(watch)?;
             }
@@ -317,12 +322,7 @@ impl<'a> Search<'a> {
                     rate_variance,
                 };
                 self.find(two_of, first, |one, strain| {
-                    let detections = [one, two, three];
-                    threes.push(Three {
-                        before,
-                        detections,
-                        strain,
-                    });
+                    threes.push(Three::new(before, [one, two, three], strain));
                 });
                 stop(watch)?;
             }

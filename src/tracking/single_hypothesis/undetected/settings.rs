@@ -4,6 +4,7 @@ use crate::model::state::GaussianState;
 use crate::registry::{
     Bound, Kind, Object, Union, above, check, default, list, number, required, variant,
 };
+use crate::tracking::single_hypothesis::existence::LIFETIME;
 use nalgebra::{SMatrix, SVector};
 use serde::Deserialize;
 use serde_json::json;
@@ -80,12 +81,7 @@ pub static UNDETECTED: Object = Object {
             Kind::Union(&BIRTHS),
             r#"{"method":"counted"}"#,
         ),
-        default(
-            "lifetime_s",
-            "How long a target lasts on average: it survives dt with the probability e^(-dt/lifetime_s).",
-            above(0.0, 1e9, "s"),
-            "1000.0",
-        ),
+        LIFETIME,
         default(
             "report_existence",
             "Points of a track are told where its probability of existence is above this.",
