@@ -165,6 +165,47 @@ test("one metre east is as long as one metre north, also after a zoom and in a n
   await closePage(page);
 });
 
+test("a drag goes on while the address is written, and loses nothing", async () => {
+  const page = await openPlan();
+  const everything = parameters(page).get("span");
+  await page.getByRole("button", { name: "Zoom in" }).click();
+  await atRest(page, "span", everything);
+  const [whole] = await draggedBy(page, 60, 0);
+  const before = parameters(page).get("centre");
+  const box = await planOf(page).boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  // The pointer moves in the moment after the address has changed, before the page is drawn again.
+  await page.evaluate(
+    ([clientX, clientY]) => {
+      const write = history.replaceState.bind(history);
+      history.replaceState = (...all) => {
+        history.replaceState = write;
+        write(...all);
+        const options = { pointerId: 1, bubbles: true, clientX, clientY };
+        const move = new PointerEvent("pointermove", options);
+        queueMicrotask(() => document.querySelector(".plan-touch").dispatchEvent(move));
+      };
+    },
+    [x + 40, y],
+  );
+  await page.mouse.move(x + 20, y);
+  await page.waitForFunction(
+    (old) => new URLSearchParams(location.search).get("centre") !== old,
+    before,
+  );
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => setTimeout(done))));
+  await page.mouse.move(x + 60, y);
+  await page.mouse.up();
+  await atRest(page, "centre", before);
+  const [from, to] = [before, parameters(page).get("centre")].map((text) =>
+    Number(text.split(",")[0]),
+  );
+  assert.ok(Math.abs(Math.abs(to - from) / whole - 1) < 0.01, `${to - from} m are not ${whole} m`);
+  await closePage(page);
+});
+
 test("legend, selection and trail are in the address", async () => {
   const page = await openPlan();
   await page.getByRole("button", { name: "truth", exact: true }).click();

@@ -142,6 +142,7 @@ export class PlanDrawing {
    * What the series on the chart show; while it is the same, a moved camera changes the axes alone.
    */
   private shown = "";
+  private scene: Scene | undefined;
   constructor(
     public props: PlanViewProps,
     readonly camera: Signal<Camera | undefined>,
@@ -161,11 +162,20 @@ export class PlanDrawing {
   move(to: Camera): void {
     this.camera.value = to;
     window.clearTimeout(this.pending);
-    this.pending = window.setTimeout(() => setParams(toText(to)), ADDRESS_AFTER_MS);
+    this.pending = window.setTimeout(() => {
+      this.pending = 0;
+      setParams(toText(to));
+    }, ADDRESS_AFTER_MS);
+  }
+
+  /** The camera that the hand left stands in the address. */
+  isWritten(): boolean {
+    return this.pending === 0;
   }
 
   fitAll(): void {
     window.clearTimeout(this.pending);
+    this.pending = 0;
     this.camera.value = undefined;
     setParams({ centre: null, span: null });
   }
@@ -239,9 +249,9 @@ export class PlanDrawing {
   }
 
   draw(chart: Chart, moment: Moment): void {
-    if (chart !== this.chart) this.shown = "";
-    this.chart = chart;
     const { scene, plan, gates } = this.props;
+    if (chart !== this.chart || scene !== this.scene) this.shown = "";
+    [this.chart, this.scene] = [chart, scene];
     const palette = readPalette();
     const view = axes(this.look(), this.size(), palette);
     const density = this.density(moment);

@@ -1,7 +1,7 @@
 // The plan view: truth, detections and tracks from above, at the clock's moment, with one scale on
 // both axes.
 
-import { type Signal, useComputed, useSignal } from "@preact/signals";
+import { useComputed, useSignal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Plan } from "../api/types";
@@ -47,11 +47,13 @@ function badgeOf(plan: Plan, density: Density | undefined, hasDots: boolean): st
 
 /**
  * The camera of the address. Back, forward and jumps move the camera; what our own moves wrote does
- * not.
+ * not, also where the hand went on before this is told of it.
  */
-function useAddress(camera: Signal<Camera | undefined>): string {
+function useAddress(drawing: PlanDrawing): string {
+  const { camera } = drawing;
   const address = useComputed(() => `${param("centre") ?? ""} ${param("span") ?? ""}`).value;
   useEffect(() => {
+    if (!drawing.isWritten()) return;
     const moved = camera.peek();
     const own = moved && toText(moved);
     if (!own || address !== `${own.centre} ${own.span}`) camera.value = undefined;
@@ -63,10 +65,10 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   const { plan, scene, clock, gates } = props;
   const camera = useSignal<Camera | undefined>(undefined);
   const stretched = useSignal<Ruler | undefined>(undefined);
-  const drawing = useMemo(() => new PlanDrawing(props, camera, stretched), [scene]);
+  const drawing = useMemo(() => new PlanDrawing(props, camera, stretched), []);
   drawing.props = props;
   const box = useRef<HTMLDivElement>(null);
-  const address = useAddress(camera);
+  const address = useAddress(drawing);
   useEffect(() => (box.current ? drawing.listen(box.current) : undefined), [drawing]);
   const moment = momentOf(clock);
   const title = `Plan view at ${timeText(moment.now, scene.origin)}`;
