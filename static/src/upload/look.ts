@@ -12,6 +12,8 @@ const LOOK_AFTER_MS = 400;
 export const LARGE_BYTES = 50_000_000;
 
 export interface Look {
+  /** The file that it is of. */
+  of?: File | undefined;
   /** An answer to what is told now is on its way. */
   busy: boolean;
   found?: Inspection;
@@ -27,13 +29,13 @@ export function useLook(file: File | undefined, meta: JsonObject, wanted: boolea
     const isNew = last.current !== file;
     last.current = wanted ? file : undefined;
     if (!file || !wanted) {
-      setLook({ busy: false });
+      setLook({ of: file, busy: false });
       return undefined;
     }
-    setLook(isNew ? { busy: true } : { ...look, busy: true });
+    setLook(isNew ? { of: file, busy: true } : { ...look, busy: true });
     const control = new AbortController();
-    const take = (answer: Omit<Look, "busy">) => {
-      if (!control.signal.aborted) setLook({ busy: false, ...answer });
+    const take = (answer: Pick<Look, "found" | "error">) => {
+      if (!control.signal.aborted) setLook({ of: file, busy: false, ...answer });
     };
     const ask = () =>
       void inspectDataset(sentMeta(meta, file.name), file, control.signal).then(
@@ -46,5 +48,6 @@ export function useLook(file: File | undefined, meta: JsonObject, wanted: boolea
       control.abort();
     };
   }, [file, told, wanted]);
-  return look;
+  // The effect comes after the page has shown the next file.
+  return look.of === file ? look : { busy: wanted };
 }

@@ -1,6 +1,13 @@
 // What a person has chosen and told of a file, what the service finds in it, and the upload itself.
 
-import { type Dispatch, type StateUpdater, useEffect, useRef, useState } from "preact/hooks";
+import {
+  type Dispatch,
+  type StateUpdater,
+  useEffect,
+  useLayoutEffect,
+  useRef,
+  useState,
+} from "preact/hooks";
 import { ApiError, getDataset, uploadDataset } from "../api/client";
 import type { Dataset } from "../api/types";
 import { useResource } from "../components/resource";
@@ -174,7 +181,8 @@ export function useUpload({ expected, dropped, like }: UploadProps): Upload {
       (reading) => told.take({ ...reading, meta: { ...meta, ...reading.meta } }, head),
       (refusal: unknown) => setFailure({ of: meta, error: refusal }),
     );
-  useEffect(() => {
+  // Before anybody sees the page: what is pressed there is meant for this file.
+  useLayoutEffect(() => {
     if (dropped) void choose(dropped);
   }, [dropped]);
   return {
