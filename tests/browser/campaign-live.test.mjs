@@ -169,7 +169,9 @@ test("while it runs, means, intervals, curves and differences grow; a hidden pag
   const isCells = (request) => new URL(request.url()).pathname === `/v1/jobs/${id}/cells`;
   page.on("request", (request) => isCells(request) && asked.push({ begun: performance.now() }));
   page.on("requestfinished", (request) => {
-    if (isCells(request)) asked.at(-1).ended = performance.now();
+    // What the page asked before these listeners stood has no beginning.
+    const last = asked.at(-1);
+    if (last && isCells(request)) last.ended = performance.now();
   });
   await page
     .getByText(`of ${(runs * CELLS).toLocaleString("en-US")}; the numbers still move.`)
