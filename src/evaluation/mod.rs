@@ -22,6 +22,7 @@ mod nearest_point;
 pub mod nearest_truth;
 pub mod nearness;
 mod overlaps;
+pub mod paths;
 pub mod spaces;
 pub mod steps;
 pub mod strings;

@@ -202,6 +202,9 @@ impl MetricReport {
     }
 }
 
+/// Why a mean over steps is not defined.
+const NOTHING_DUE: &str = "no target is due at any step";
+
 pub trait Metric: Send {
     /// Whether it is defined in this space, or, where there is none, for boxes.
     fn accepts(&self, space: Option<Space>) -> bool;

@@ -155,6 +155,23 @@ impl Reader<'_, '_> {
         if !points.is_sorted_by_key(|&(scan, _)| scan) {
             points.sort_by_key(|&(scan, _)| scan);
         }
+        if matches!(self.source, Source::NearestTruth(_)) {
+            self.keep_nearest(track, points);
+        }
+    }
+
+    /// Of the points of a scan the one nearest in time, of two as near the later one.
+    fn keep_nearest(&self, track: &Track, points: &mut Vec<(usize, usize)>) {
+        let far_s = |&(scan, point): &(usize, usize)| {
+            (track.points[point].time_s - self.axis.scans()[scan].time_s).abs()
+        };
+        points.dedup_by(|next, kept| {
+            let is_same = next.0 == kept.0;
+            if is_same && far_s(next) <= far_s(kept) {
+                *kept = *next;
+            }
+            is_same
+        });
     }
 
     /// Whether several scans are at the time of a point that names no sensor.
@@ -168,8 +185,9 @@ impl Reader<'_, '_> {
             return None;
         }
         let has_any = |&scan: &usize| {
+            let recorded = self.axis.recorded(scan);
             self.named_by(point)
-                .any(|name| self.identities.is_in(scan, name))
+                .any(|name| recorded.is_some_and(|scan| self.identities.is_in(scan, name)))
         };
         let mut found = self.axis.scans_at(point.time_s).filter(has_any);
         found.next().filter(|_| found.next().is_none())
@@ -193,7 +211,9 @@ impl Reader<'_, '_> {
         };
         let decision = match alone {
             Some(one) => StringStep {
-                symbol: one.detection.map(|name| self.identify(index, scan, name)),
+                symbol: one
+                    .detection
+                    .and_then(|name| self.identify(index, scan, name)),
                 weight: one.probability,
             },
             None => self.decide_of_many(index, scan, track, points),
@@ -207,9 +227,10 @@ impl Reader<'_, '_> {
         }
         let step = match self.source {
             Source::NearestTruth(nearest) => {
-                let place_m = &track.points[first].estimate.position;
+                let point = &track.points[first];
+                let place_m = &point.estimate.position;
                 StringStep {
-                    symbol: nearest.symbol(scan, place_m),
+                    symbol: nearest.symbol(self.axis, scan, point.time_s, place_m),
                     weight: 1.0,
                 }
             }
@@ -287,17 +308,21 @@ impl Reader<'_, '_> {
                 probability,
             } in self.tracks.candidates_of(point)
             {
-                let detection = detection.map(|index| self.identify(track, scan, index));
-                self.at_scan.push(Candidate {
-                    detection,
-                    probability,
-                });
+                let name = detection;
+                let detection = name.and_then(|index| self.identify(track, scan, index));
+                if name.is_some() == detection.is_some() {
+                    self.at_scan.push(Candidate {
+                        detection,
+                        probability,
+                    });
+                }
             }
         }
     }
 
-    fn identify(&mut self, track: u32, scan: usize, index: u32) -> u32 {
-        let detection = self.identities.resolve(scan, index);
+    /// `None` at a step that no recording has: nothing was detected there.
+    fn identify(&mut self, track: u32, scan: usize, index: u32) -> Option<u32> {
+        let detection = self.identities.resolve(self.axis.recorded(scan)?, index);
         if self.identities.is_unknown(detection) {
             self.outputs.unknown.push(Consumed {
                 track,
@@ -305,7 +330,7 @@ impl Reader<'_, '_> {
                 detection,
             });
         }
-        detection
+        Some(detection)
     }
 
     fn report_crowd(&mut self, track: u32, scan: usize) {

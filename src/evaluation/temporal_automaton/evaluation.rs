@@ -51,7 +51,7 @@ impl<'a> TfaEvaluation<'a> {
             symbols,
             decision,
             max_missed,
-            time_tolerance_s,
+            steps,
             ..
         } = settings;
         let strings = strings::write_strings(
@@ -61,7 +61,7 @@ impl<'a> TfaEvaluation<'a> {
                 decision,
                 max_missed,
                 sensors,
-                time_tolerance_s,
+                steps,
             },
         )?;
         Ok(Self::of_strings(input, settings, strings))

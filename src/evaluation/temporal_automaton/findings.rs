@@ -299,7 +299,7 @@ fn parameters(settings: &TfaSettings) -> Parameters {
         SymbolRule::DetectionId => ("detection_id", None, None),
         SymbolRule::NearestDetection { gate_m } => ("nearest_detection", Some(gate_m), None),
         SymbolRule::NearestTruth { gate_m, max_gap_s } => {
-            ("nearest_truth", Some(gate_m), Some(max_gap_s))
+            ("nearest_truth", Some(gate_m), max_gap_s)
         }
     };
     let (decision, min_weight) = match settings.decision {

@@ -124,7 +124,7 @@ mod tests {
         let found = default_settings(&comparison, &input);
         let symbols = SymbolRule::NearestTruth {
             gate_m: 7.5,
-            max_gap_s: 12.0,
+            max_gap_s: Some(12.0),
         };
         assert_eq!(
             found,

@@ -36,11 +36,10 @@ static NEAREST_TRUTH: Object = Object {
             "Largest distance between a track and its truth.",
             RANGE,
         ),
-        default(
+        optional(
             "max_gap_s",
-            "Truth is interpolated between points at most this far apart.",
+            "Truth is interpolated between points at most this far apart. Default: 2.5 times the median time between two points of the target.",
             number(0.0, 1e6, "s"),
-            "5.0",
         ),
     ],
 };
@@ -130,16 +129,15 @@ pub static TFA: Object = Object {
     ],
 };
 
-const MAX_GAP: Field = default(
+const MAX_GAP: Field = optional(
     "max_gap_s",
-    "Largest gap in the truth that is bridged.",
+    "Largest gap in the truth that is bridged. Default: 2.5 times the median time between two points of the target.",
     number(0.0, 1e6, "s"),
-    "5.0",
 );
 
 const TIME_TOLERANCE: Field = optional(
     "time_tolerance_s",
-    "Times that differ by no more are one step. Default: a twentieth of the shortest time between two points of one target or track, at most 0.01 s.",
+    "Times of truth that differ by no more are one step. Default: a twentieth of the shortest time between two points of one target, at most 0.01 s.",
     number(0.0, 1e6, "s"),
 );
 
@@ -195,6 +193,17 @@ pub static COMPARISON: Object = Object {
             "How clocks are brought together.",
             Kind::Union(&ALIGNMENT),
             r#"{"method":"interpolate"}"#,
+        ),
+        default(
+            "steps",
+            "Whose times count. auto: the scans of the recording, holes of regular sensors filled; without one the times of the truth, or a grid where targets have clocks of their own. as_recorded: the same without filling. truth: the times of the truth. every_s: a grid. tracks, union: the times of the tracks, alone or with those of the truth; these two flatter.",
+            Kind::Choice(&["auto", "as_recorded", "truth", "every_s", "tracks", "union"]),
+            "\"auto\"",
+        ),
+        optional(
+            "every_s",
+            "With steps every_s: the time between two steps.",
+            above(0.0, 1e6, "s"),
         ),
     ],
 };

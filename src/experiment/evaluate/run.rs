@@ -154,7 +154,7 @@ impl EvaluateJob {
         let comparison = &self.spec.comparison;
         let tfa = self.spec.tfa;
         let tfa = TfaSettings {
-            time_tolerance_s: comparison.alignment.time_tolerance_s,
+            steps: comparison.steps(),
             ..tfa.unwrap_or_else(|| automaton::default_settings(comparison, &input))
         };
         let evaluation = automaton::evaluate(tfa, input, &data.sensors)?;

@@ -2,8 +2,9 @@
 
 use crate::detection::Detector;
 use crate::evaluation::TfaSettings;
-use crate::evaluation::comparison::Alignment;
 use crate::evaluation::metrics::BuildMetric;
+use crate::evaluation::paths::Alignment;
+use crate::evaluation::steps::StepSettings;
 use crate::experiment::request::methods::{Choice, OptionalTracking};
 use crate::experiment::request::sources::InputSpec;
 use crate::model::sensor::SensorSettings;
@@ -54,6 +55,17 @@ pub struct ComparisonSpec {
     pub gate_deg: f64,
     pub min_iou: f64,
     pub alignment: AlignmentSpec,
+    #[serde(flatten)]
+    steps: StepSettings,
+}
+
+impl ComparisonSpec {
+    pub fn steps(&self) -> StepSettings {
+        StepSettings {
+            time_tolerance_s: self.alignment.time_tolerance_s,
+            ..self.steps
+        }
+    }
 }
 
 /// How truth is brought to the times of tracks.

@@ -3,9 +3,11 @@
 use super::fixture::{Row, Scene, assert_close, checked, reason, values};
 use serde_json::json;
 use trackloom_domain::evaluation::EvaluationInput;
-use trackloom_domain::evaluation::comparison::{Alignment, Comparison, PointSettings};
+use trackloom_domain::evaluation::comparison::{Comparison, PointSettings};
 use trackloom_domain::evaluation::events::EventLog;
 use trackloom_domain::evaluation::metrics::Sequence;
+use trackloom_domain::evaluation::paths::Alignment;
+use trackloom_domain::evaluation::steps::StepSettings;
 use trackloom_domain::model::scan::{Recording, RecordingParts, Scan};
 use trackloom_domain::model::sensor::SensorSettings;
 
@@ -87,10 +89,12 @@ fn steps_at_which_both_are_empty_are_at_distance_zero() {
         ..scene.input()
     };
     let settings = PointSettings {
-        alignment: Alignment::Interpolate { max_gap_s: 5.0 },
+        alignment: Alignment::Interpolate {
+            max_gap_s: Some(5.0),
+        },
         gate_m: 10.0,
         reach_m: 10.0,
-        time_tolerance_s: None,
+        steps: StepSettings::default(),
     };
     let comparison = Comparison::of_points(&input, &scene.truth, &settings);
     let events = EventLog::new(&comparison);

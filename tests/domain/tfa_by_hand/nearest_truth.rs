@@ -16,7 +16,10 @@ fn evaluate(
     max_gap_s: f64,
 ) -> TfaReport {
     let settings = TfaSettings {
-        symbols: SymbolRule::NearestTruth { gate_m, max_gap_s },
+        symbols: SymbolRule::NearestTruth {
+            gate_m,
+            max_gap_s: Some(max_gap_s),
+        },
         ..TfaSettings::PAPER
     };
     evaluate_temporal_automaton(
