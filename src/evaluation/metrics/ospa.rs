@@ -111,6 +111,8 @@ impl Ospa {
             Origin::ratio("ospa", &["ospa_sum"], &["due_steps"]),
             Origin::ratio("localisation", &["localisation_sum"], &["due_steps"]),
             Origin::ratio("cardinality", &["cardinality_sum"], &["due_steps"]),
+            sum("series.localisation", "localisation"),
+            sum("series.cardinality", "cardinality"),
             STEPS,
             DUE_STEPS,
             TRUTH_POINTS,

@@ -22,6 +22,7 @@ pub type Row<'a> = (f64, &'a str, f64, f64, f64, f64);
 pub struct Scene {
     pub truth: TruthSet,
     pub tracks: TrackSet,
+    pub steps: StepSettings,
 }
 
 impl Scene {
@@ -29,6 +30,7 @@ impl Scene {
         Scene {
             truth: truth_set(truth),
             tracks: track_set(tracks),
+            steps: StepSettings::default(),
         }
     }
 
@@ -44,7 +46,7 @@ impl Scene {
             },
             gate_m,
             reach_m: reach_m.max(gate_m),
-            steps: StepSettings::default(),
+            steps: self.steps,
         };
         Comparison::of_points(&self.input(), &self.truth, &settings)
     }
