@@ -10,6 +10,7 @@ mod acquaintances;
 pub mod axis;
 pub mod breaks;
 pub mod comparison;
+pub mod credit;
 pub mod events;
 pub mod extent;
 pub mod grouping;

@@ -2,6 +2,7 @@
 
 use super::EvaluationInput;
 use super::comparison::{Comparison, PointSettings};
+use super::credit::Credit;
 use super::events::EventLog;
 use super::metrics::{METRICS, Metric, MetricReport, Sequence};
 use super::paths::Alignment;
@@ -88,6 +89,7 @@ fn compare_sets(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Comparison 
             gate_m,
             reach_m: 2.0 * gate_m,
             steps: StepSettings::default(),
+            credit: Credit::Afterwards,
         },
     )
 }

@@ -3,6 +3,7 @@
 use trackloom_domain::evaluation::EvaluationInput;
 use trackloom_domain::evaluation::breaks::{Break, BreakCause, explain};
 use trackloom_domain::evaluation::comparison::{Comparison, PointSettings};
+use trackloom_domain::evaluation::credit::Credit;
 use trackloom_domain::evaluation::events::EventLog;
 use trackloom_domain::evaluation::paths::Alignment;
 use trackloom_domain::evaluation::steps::StepSettings;
@@ -47,6 +48,7 @@ fn a_break_says_what_became_of_the_track_and_whether_the_target_was_seen() {
         gate_m: 10.0,
         reach_m: 10.0,
         steps: StepSettings::default(),
+        credit: Credit::Afterwards,
     };
     let comparison = Comparison::of_points(&input, &truth, &settings);
     let log = EventLog::new(&comparison);
@@ -107,6 +109,7 @@ fn in_a_volume_a_detection_above_the_target_is_not_of_it() {
             gate_m: 10.0,
             reach_m: 10.0,
             steps: StepSettings::default(),
+            credit: Credit::Afterwards,
         };
         let comparison = Comparison::of_points(&input, &truth, &settings);
         let log = EventLog::new(&comparison);

@@ -17,6 +17,7 @@ mod points;
 mod sweep;
 
 use super::EvaluationInput;
+use super::credit::Credit;
 use super::extent::Extent;
 use super::paths::{Alignment, Paths};
 use super::spaces;
@@ -107,6 +108,8 @@ pub struct Facts {
     pub period_s: Option<f64>,
     /// How many steps fill holes of a recording.
     pub filled: usize,
+    /// Points that are not credited: the track was not known then.
+    pub unknown_then: usize,
     /// Points of tracks that were not compared: others of their track are nearer to the step, or there is no step but a target.
     pub between_steps: usize,
 }
@@ -128,6 +131,7 @@ pub struct PointSettings {
     /// Pairs farther apart are not listed; at least the gate.
     pub reach_m: f64,
     pub steps: StepSettings,
+    pub credit: Credit,
 }
 
 impl Comparison {
@@ -171,7 +175,7 @@ impl Comparison {
             made_of: steps.made_of,
             period_s: steps.period_s,
             filled: steps.filled,
-            between_steps: 0,
+            ..Facts::default()
         };
         comparison.take_points(input.tracks, &paths, &steps, settings, extent);
         comparison

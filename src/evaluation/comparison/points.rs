@@ -2,6 +2,7 @@
 
 use super::sweep::{Sweep, near_pairs};
 use super::{Comparison, OwnTimes, PointSettings, Presence, presence};
+use crate::evaluation::credit::Credit;
 use crate::evaluation::extent::Extent;
 use crate::evaluation::paths::Paths;
 use crate::evaluation::steps::Steps;
@@ -37,7 +38,12 @@ impl Comparison {
         }
         let mut outside = Vec::new();
         if tracks.space.has_places() == space.has_places() {
-            self.add_tracks(tracks, steps, extent, (&mut present, &mut outside));
+            self.add_tracks(
+                tracks,
+                steps,
+                (settings.credit, extent),
+                (&mut present, &mut outside),
+            );
         }
         self.warn_of_strangers(&present, paths, tracks, outside.is_empty());
         let outside = self.leave_near(outside, paths, extent);
@@ -56,13 +62,17 @@ impl Comparison {
         &mut self,
         set: &TrackSet,
         steps: &Steps,
-        extent: &mut Extent,
+        (credit, extent): (Credit, &mut Extent),
         (present, outside): (&mut [Present], &mut Vec<Outside>),
     ) {
         let space = self.space.unwrap_or_default();
         for (id, track) in set.tracks.iter().enumerate() {
             let mut guess = 0;
             for (index, point) in track.points.iter().enumerate() {
+                if !credit.counts(point) {
+                    self.facts.unknown_then += 1;
+                    continue;
+                }
                 let presence = presence_of(space, (id, index), point);
                 let Some(step) = steps.near(point.time_s, guess) else {
                     let time_s = point.time_s;

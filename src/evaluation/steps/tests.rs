@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::evaluation::comparison::{Comparison, PointSettings};
+use crate::evaluation::credit::Credit;
 use crate::evaluation::events::{EventKind, EventLog};
 use crate::evaluation::paths::Alignment;
 use crate::evaluation::tests::{tracks_of, truth_of};
@@ -58,6 +59,7 @@ fn compared_with(
         gate_m: 10.0,
         reach_m: 10.0,
         steps,
+        credit: Credit::Afterwards,
     };
     let comparison = Comparison::of_points(&input, truth, &settings);
     let log = EventLog::new(&comparison);

@@ -6,7 +6,7 @@
 //!
 //! - *Truth strings*: the detections that came from the target; of several in one scan the one listed first counts.
 //! - *Output strings*: the decision of the track at each scan, see [`outputs`]. Tentative scans belong to a track that
-//!   was confirmed later; a track that was never confirmed is no output.
+//!   was confirmed later where it is credited afterwards; a track that was never confirmed is no output.
 
 mod choices;
 pub mod difference;
@@ -16,6 +16,7 @@ pub mod step;
 
 use super::EvaluationInput;
 use super::axis::Axis;
+use super::credit::Credit;
 use super::identities::Identities;
 use super::nearest_detection::NearestDetection;
 use super::nearest_truth::NearestTruth;
@@ -69,6 +70,7 @@ pub struct StringRules<'r> {
     pub sensors: Option<&'r [SensorSettings]>,
     /// Whose times count; symbols that are detections are always at the scans of the recording.
     pub steps: StepSettings,
+    pub credit: Credit,
 }
 
 /// Where the symbols of tracks come from.
@@ -255,7 +257,7 @@ fn on_scans<'a>(
         input.tracks,
         &axis,
         &mut identities,
-        source,
+        (source, rules.credit),
         max_missed,
         &mut warnings,
     );
@@ -316,7 +318,7 @@ fn by_nearest_truth<'a>(
         input.tracks,
         &axis,
         &mut identities,
-        Source::NearestTruth(&nearest),
+        (Source::NearestTruth(&nearest), rules.credit),
         max_missed,
         &mut warnings,
     );

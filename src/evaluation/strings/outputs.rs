@@ -9,6 +9,7 @@ use super::normal_form::StringSet;
 use super::step::StringStep;
 use super::{DecisionPolicy, Source};
 use crate::evaluation::axis::Axis;
+use crate::evaluation::credit::Credit;
 use crate::evaluation::identities::Identities;
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 
@@ -51,7 +52,7 @@ pub fn read<'a>(
     tracks: &TrackSet,
     axis: &Axis,
     identities: &mut Identities<'a>,
-    source: Source<'_, 'a>,
+    (source, credit): (Source<'_, 'a>, Credit),
     max_missed: u32,
     warnings: &mut Vec<String>,
 ) -> Outputs {
@@ -73,6 +74,7 @@ pub fn read<'a>(
         axis,
         identities,
         source,
+        credit,
         outputs,
         at_scan,
         choices,
@@ -93,6 +95,7 @@ struct Reader<'r, 'a> {
     axis: &'r Axis,
     identities: &'r mut Identities<'a>,
     source: Source<'r, 'a>,
+    credit: Credit,
     outputs: Outputs,
     /// The candidates of the track at hand at the scan at hand, and the choices they leave it.
     at_scan: Vec<Candidate>,
@@ -131,6 +134,9 @@ impl Reader<'_, '_> {
         points.clear();
         let mut guess = 0;
         for (index, point) in track.points.iter().enumerate() {
+            if !self.credit.counts(point) {
+                continue;
+            }
             match self
                 .axis
                 .scan_near(point, guess)

@@ -52,6 +52,7 @@ impl<'a> TfaEvaluation<'a> {
             decision,
             max_missed,
             steps,
+            credit,
             ..
         } = settings;
         let strings = strings::write_strings(
@@ -62,6 +63,7 @@ impl<'a> TfaEvaluation<'a> {
                 max_missed,
                 sensors,
                 steps,
+                credit,
             },
         )?;
         Ok(Self::of_strings(input, settings, strings))

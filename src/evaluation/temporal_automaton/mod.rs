@@ -45,6 +45,7 @@ pub use report::TfaReport;
 pub use search::Order;
 
 use super::EvaluationInput;
+use super::credit::Credit;
 use super::steps::{StepRule, StepSettings};
 use super::strings::{DecisionPolicy, SymbolRule};
 use crate::model::fault::Fault;
@@ -65,6 +66,9 @@ pub struct TfaSettings {
     /// Whose times count where symbols are targets.
     #[serde(skip)]
     pub steps: StepSettings,
+    /// Which points of a track count.
+    #[serde(skip)]
+    pub credit: Credit,
 }
 
 impl TfaSettings {
@@ -81,6 +85,7 @@ impl TfaSettings {
             every_s: None,
             time_tolerance_s: None,
         },
+        credit: Credit::Afterwards,
     };
 
     /// # Errors

@@ -120,6 +120,7 @@ pub fn compare(
         gate_m: spec.gate_m,
         reach_m,
         steps: spec.steps(),
+        credit: spec.credit,
     };
     let directions = PointSettings {
         gate_m: spec.gate_deg,
@@ -315,6 +316,7 @@ fn refuse_shapes(metrics: &[NamedMetric], comparisons: &[Comparison]) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluation::credit::Credit;
     use crate::evaluation::paths::Alignment;
     use crate::evaluation::steps::StepSettings;
     use crate::model::state::{Position, State};
@@ -366,6 +368,7 @@ mod tests {
             gate_m: 10.0,
             reach_m: 10.0,
             steps: StepSettings::default(),
+            credit: Credit::Afterwards,
         };
         let comparison = Comparison::of_points(&input, &truth, &settings);
         let content = Content::Points {

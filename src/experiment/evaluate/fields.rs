@@ -200,6 +200,12 @@ pub static COMPARISON: Object = Object {
             Kind::Choice(&["auto", "as_recorded", "truth", "every_s", "tracks", "union"]),
             "\"auto\"",
         ),
+        default(
+            "credit",
+            "Which points of a track count. at_the_time: what was known then, without tentative points and without the past of a beginning that was chosen later. afterwards: all points of a track that was confirmed at last.",
+            Kind::Choice(&["at_the_time", "afterwards"]),
+            "\"at_the_time\"",
+        ),
         optional(
             "every_s",
             "With steps every_s: the time between two steps.",

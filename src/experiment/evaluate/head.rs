@@ -3,6 +3,7 @@
 use super::compare::{Content, Subject};
 use super::spec::ComparisonSpec;
 use crate::evaluation::comparison::{ComparedStep, Comparison};
+use crate::evaluation::credit::Credit;
 use crate::evaluation::paths::Alignment;
 use serde::Serialize;
 
@@ -23,6 +24,10 @@ pub struct Compared {
     pub extra_steps: usize,
     /// Points of tracks that were not compared: others of their track are nearer to the step.
     pub points_between_steps: usize,
+    /// `at_the_time` or `afterwards`: whether the first points of a track count that was known later.
+    pub credit: &'static str,
+    /// Points that are not credited: the track was not known then.
+    pub points_not_known_then: usize,
     /// `interpolate` or `nearest`; absent of boxes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment: Option<&'static str>,
@@ -72,6 +77,11 @@ pub fn compared(
         filled_steps: facts().map(|facts| facts.filled).sum(),
         extra_steps: steps(|step| step.is_extra),
         points_between_steps: facts().map(|facts| facts.between_steps).sum(),
+        credit: match spec.credit {
+            Credit::AtTheTime => "at_the_time",
+            Credit::Afterwards => "afterwards",
+        },
+        points_not_known_then: facts().map(|facts| facts.unknown_then).sum(),
         alignment: (!is_of_boxes).then_some(alignment),
         max_gap_s: rule.max_gap_s().filter(|_| !is_of_boxes),
         gate: first.gate,

@@ -155,6 +155,7 @@ impl EvaluateJob {
         let tfa = self.spec.tfa;
         let tfa = TfaSettings {
             steps: comparison.steps(),
+            credit: comparison.credit,
             ..tfa.unwrap_or_else(|| automaton::default_settings(comparison, &input))
         };
         let evaluation = automaton::evaluate(tfa, input, &data.sensors)?;

@@ -2,6 +2,7 @@
 
 use crate::detection::Detector;
 use crate::evaluation::TfaSettings;
+use crate::evaluation::credit::Credit;
 use crate::evaluation::metrics::BuildMetric;
 use crate::evaluation::paths::Alignment;
 use crate::evaluation::steps::StepSettings;
@@ -57,6 +58,8 @@ pub struct ComparisonSpec {
     pub alignment: AlignmentSpec,
     #[serde(flatten)]
     steps: StepSettings,
+    #[serde(default)]
+    pub credit: Credit,
 }
 
 impl ComparisonSpec {

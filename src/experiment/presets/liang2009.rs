@@ -182,7 +182,7 @@ fn preset(
                 "gate_probability": 0.999, "initiation": initiation, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5,
                 "initial_speed_sigma_mps": SPEED_SIGMA_MPS
             },
-            "comparison": {"gate_m": 1000.0},
+            "comparison": {"gate_m": 1000.0, "credit": "afterwards"},
             "tfa": {"symbols": {"kind": "detection_id"}, "decision": {"policy": "most_probable"}, "max_missed": 5}
         }),
         name,

@@ -4,6 +4,7 @@ use super::fixture::{Row, Scene, assert_close, checked, reason, values};
 use serde_json::json;
 use trackloom_domain::evaluation::EvaluationInput;
 use trackloom_domain::evaluation::comparison::{Comparison, PointSettings};
+use trackloom_domain::evaluation::credit::Credit;
 use trackloom_domain::evaluation::events::EventLog;
 use trackloom_domain::evaluation::metrics::Sequence;
 use trackloom_domain::evaluation::paths::Alignment;
@@ -98,6 +99,7 @@ fn steps_at_which_both_are_empty_are_at_distance_zero() {
         gate_m: 10.0,
         reach_m: 10.0,
         steps: StepSettings::default(),
+        credit: Credit::Afterwards,
     };
     let comparison = Comparison::of_points(&input, &scene.truth, &settings);
     let events = EventLog::new(&comparison);

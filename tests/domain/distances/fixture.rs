@@ -3,6 +3,7 @@
 use serde_json::Value;
 use trackloom_domain::evaluation::EvaluationInput;
 use trackloom_domain::evaluation::comparison::{Comparison, PointSettings};
+use trackloom_domain::evaluation::credit::Credit;
 use trackloom_domain::evaluation::events::EventLog;
 use trackloom_domain::evaluation::metrics::{METRIC, METRICS, Metric, MetricReport, Sequence};
 use trackloom_domain::evaluation::paths::Alignment;
@@ -47,6 +48,7 @@ impl Scene {
             gate_m,
             reach_m: reach_m.max(gate_m),
             steps: self.steps,
+            credit: Credit::Afterwards,
         };
         Comparison::of_points(&self.input(), &self.truth, &settings)
     }
