@@ -29,7 +29,7 @@ pub(crate) fn request(associator: &str) -> Value {
         "associator": {"method": associator},
         "filter": {"method": "kalman", "process_noise_m2ps3": 0.05},
         "tracker": {"gate_probability": 0.99, "confirm_hits": 6, "confirm_window": 8, "max_missed": 5, "initial_speed_sigma_mps": 3.0},
-        "comparison": {"gate_m": 30.0},
+        "comparison": {"gate_m": 30.0, "credit": "afterwards"},
         "metrics": [{"metric": "gospa", "cutoff_m": 30.0}, {"metric": "clear"}, {"metric": "kinematics"}],
         "tfa": {"symbols": {"kind": "nearest_truth", "gate_m": 30.0, "max_gap_s": 5.0}, "max_missed": 5}
     })
@@ -188,7 +188,7 @@ fn camera_request(camera: &str, associator: &str) -> Value {
         "associator": {"method": associator},
         "filter": {"method": "bearing_only", "process_noise_deg2ps3": 0.05, "initial_rate_sigma_degps": 1.5},
         "tracker": {"gate_probability": 0.99, "confirm_hits": 6, "confirm_window": 8, "max_missed": 15},
-        "comparison": {"gate_deg": CAMERA_GATE_DEG},
+        "comparison": {"gate_deg": CAMERA_GATE_DEG, "credit": "afterwards"},
         "metrics": [{"metric": "track_keeping"}]
     })
 }

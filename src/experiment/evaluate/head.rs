@@ -2,7 +2,7 @@
 
 use super::compare::{Content, Subject};
 use super::spec::ComparisonSpec;
-use crate::evaluation::comparison::{ComparedStep, Comparison};
+use crate::evaluation::comparison::Comparison;
 use crate::evaluation::credit::Credit;
 use crate::evaluation::paths::Alignment;
 use serde::Serialize;
@@ -52,14 +52,11 @@ pub fn compared(
         Alignment::Interpolate { .. } => "interpolate",
         Alignment::Nearest { .. } => "nearest",
     };
-    let steps = |is_counted: fn(&ComparedStep) -> bool| {
-        let all = comparisons.iter().flat_map(|comparison| &comparison.steps);
-        all.filter(|step| is_counted(step)).count()
-    };
     let facts = || comparisons.iter().map(|comparison| comparison.facts);
     let mut made_of: Vec<&str> = facts().map(|facts| facts.made_of).collect();
     made_of.sort_unstable();
     made_of.dedup();
+    let steps = comparisons.iter().flat_map(|comparison| &comparison.steps);
     let gate_unit = match first.space {
         None => "",
         Some(_) if first.is_in_metres() => "m",
@@ -72,10 +69,10 @@ pub fn compared(
             made_of.join("; ")
         },
         period_s: first.facts.period_s,
-        step_count: steps(|_| true),
-        due_steps: steps(|step| !step.truths.is_empty()),
+        step_count: steps.clone().count(),
+        due_steps: comparisons.iter().map(Comparison::due_steps).sum(),
         filled_steps: facts().map(|facts| facts.filled).sum(),
-        extra_steps: steps(|step| step.is_extra),
+        extra_steps: steps.filter(|step| step.is_extra).count(),
         points_between_steps: facts().map(|facts| facts.between_steps).sum(),
         credit: match spec.credit {
             Credit::AtTheTime => "at_the_time",
