@@ -6,6 +6,7 @@
 pub mod assignment;
 pub mod clear;
 mod cutoff;
+pub mod direction;
 mod gospa;
 pub mod hota;
 pub mod identity;

@@ -17,7 +17,7 @@ mod scans;
 
 use crate::evaluation::paths::Paths;
 use crate::model::scan::Recording;
-use crate::model::track::TrackSet;
+use crate::model::track::{Track, TrackSet};
 use serde::Deserialize;
 
 /// The largest tolerance that is taken without being asked for.
@@ -26,6 +26,8 @@ const LARGEST_TOLERANCE_S: f64 = 0.01;
 const TOLERANCE_SHARE: f64 = 1.0 / 20.0;
 /// Times nearer than this are one time, whoever writes them.
 const SAME_TIME_S: f64 = 1e-6;
+/// Tracks whose points are so many periods of the steps apart have a rate of their own.
+const RARER: f64 = 1.5;
 /// More steps than this are not made up beside those that a recording or a truth has.
 const MOST_MADE_UP: usize = 1_000_000;
 
@@ -82,6 +84,8 @@ pub struct Steps {
     pub filled: usize,
     /// The usual time between two steps, where there is one.
     pub period_s: Option<f64>,
+    /// The median time between two points of a track, where nothing else says how often they could be there.
+    usual_gap_of_tracks_s: Option<f64>,
     pub warnings: Vec<String>,
 }
 
@@ -98,6 +102,9 @@ impl Steps {
             shortest_gap_s(paths, None)
         };
         let mut steps = Steps::with_tolerance(settings.time_tolerance_s, shortest_s);
+        if recording.is_none() {
+            steps.usual_gap_of_tracks_s = usual_gap_s(tracks);
+        }
         match (settings.rule, recording) {
             (StepRule::Auto, Some(recording)) => steps.take_scans(recording, Some(paths)),
             (StepRule::AsRecorded, Some(recording)) => steps.take_scans(recording, None),
@@ -114,7 +121,22 @@ impl Steps {
                 steps.take_groups(paths, tracks, settings.rule);
             }
         }
+        steps.tell_of_rates();
         steps
+    }
+
+    /// Tracks that are rarer than the steps miss some for that alone.
+    fn tell_of_rates(&mut self) {
+        let Some((own_s, period_s)) = self.usual_gap_of_tracks_s.zip(self.period_s) else {
+            return;
+        };
+        if own_s > RARER * period_s {
+            self.warnings.push(format!(
+                "tracks say something every {own_s:.3} s, and the steps ({}) are {period_s:.3} s apart: what lies between is missed. \
+                 'steps': 'every_s' with 'every_s': {own_s:.3} judges at the rate of the tracks",
+                self.made_of
+            ));
+        }
     }
 
     /// Method, 4; no steps yet.
@@ -215,6 +237,23 @@ fn shortest_gap_s(paths: &Paths, tracks: Option<&TrackSet>) -> f64 {
     gaps_of(of_tracks)
         .chain(gaps_of(of_truth))
         .fold(f64::INFINITY, f64::min)
+}
+
+fn usual_gap_s(tracks: &TrackSet) -> Option<f64> {
+    let times = |track: &Track| {
+        track
+            .points
+            .iter()
+            .map(|point| point.time_s)
+            .collect::<Vec<_>>()
+    };
+    let paths = tracks.tracks.iter().map(|track| times(track).into_iter());
+    let mut gaps_s: Vec<f64> = gaps_of(paths).collect();
+    if gaps_s.is_empty() {
+        return None;
+    }
+    let middle = gaps_s.len() / 2;
+    Some(*gaps_s.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The gaps of all paths.

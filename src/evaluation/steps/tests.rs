@@ -339,6 +339,7 @@ fn what_a_track_lacks_costs_the_automaton_as_much_as_clear() {
         );
         let report = judged(&truth_at(&truth), &track_at(&track));
         let target = &report.targets[0];
+        assert_eq!(report.counts.late, usize::from(name == "late"), "{name}");
         assert_eq!(
             serde_json::to_value(target.verdict).unwrap(),
             verdict,

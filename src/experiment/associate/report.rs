@@ -5,6 +5,7 @@ use super::estimates::Estimate;
 use super::speeds::Taken;
 use super::track::Tracked;
 use crate::experiment::input::DetectionResult;
+use crate::experiment::limits::LimitsReport;
 use crate::filtering::imm::Models;
 use crate::filtering::imm::settings::Model;
 use crate::model::modes::MAX_MODES;
@@ -22,6 +23,10 @@ pub struct AssociateResult {
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub detection: Option<DetectionResult>,
     pub association: Association,
+    /// Whether the numbers are within the limits, where the request has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub limits: Option<LimitsReport>,
 }
 
 /// What the tracker made.

@@ -105,6 +105,7 @@ fn csv(evaluation: &TfaEvaluation, curves: &[ScanProbability]) -> std::io::Resul
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluation::credit::Credit;
     use crate::experiment::request::draft::parse;
     use crate::model::track::TrackSet;
     use serde_json::json;
@@ -130,6 +131,7 @@ mod tests {
             found,
             TfaSettings {
                 symbols,
+                credit: Credit::AtTheTime,
                 ..TfaSettings::PAPER
             }
         );

@@ -120,7 +120,7 @@ pub fn compare(
         gate_m: spec.gate_m,
         reach_m,
         steps: spec.steps(),
-        credit: spec.credit,
+        credit: spec.credit(),
     };
     let directions = PointSettings {
         gate_m: spec.gate_deg,

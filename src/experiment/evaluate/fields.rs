@@ -2,6 +2,7 @@
 
 use crate::association::ASSOCIATOR;
 use crate::evaluation::metrics::{METRES, METRIC};
+use crate::experiment::limits::LIMITS;
 use crate::experiment::request::fields::{
     DATA, DETECTOR, INPUT, JOB_NAME, LABELS, NAME, RANGE, SEED, SENSORS,
 };
@@ -200,11 +201,10 @@ pub static COMPARISON: Object = Object {
             Kind::Choice(&["auto", "as_recorded", "truth", "every_s", "tracks", "union"]),
             "\"auto\"",
         ),
-        default(
+        optional(
             "credit",
-            "Which points of a track count. at_the_time: what was known then, without tentative points and without the past of a beginning that was chosen later. afterwards: all points of a track that was confirmed at last.",
+            "Which points of a track count. at_the_time (default): what was known then, without tentative points and without the past of a beginning that was chosen later. afterwards: all points of a track that was confirmed at last; the default of an automaton on detections, which judges what the tracker decided, not what an operator saw.",
             Kind::Choice(&["at_the_time", "afterwards"]),
-            "\"at_the_time\"",
         ),
         optional(
             "every_s",
@@ -233,6 +233,7 @@ pub static EVALUATE: Object = Object {
     fields: &[
         JOB_NAME,
         LABELS,
+        LIMITS,
         SEED,
         optional(
             "input",

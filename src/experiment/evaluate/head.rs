@@ -74,7 +74,7 @@ pub fn compared(
         filled_steps: facts().map(|facts| facts.filled).sum(),
         extra_steps: steps.filter(|step| step.is_extra).count(),
         points_between_steps: facts().map(|facts| facts.between_steps).sum(),
-        credit: match spec.credit {
+        credit: match spec.credit() {
             Credit::AtTheTime => "at_the_time",
             Credit::Afterwards => "afterwards",
         },

@@ -5,7 +5,7 @@ use super::dataset::DatasetKind;
 use super::tracking_events::EventCounts;
 use crate::experiment::{
     AssociateResult, Association, CampaignResult, CellTime, Compared, CorrelateResult,
-    DetectionResult, GroupResult, Input, InputRequest, SimulateResult, Source,
+    DetectionResult, GroupResult, Input, InputRequest, LimitsReport, SimulateResult, Source,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -171,6 +171,10 @@ pub struct EvaluateResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub smoothed: Option<SmoothedMetrics>,
+    /// Whether the numbers are within the limits, where the request has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub limits: Option<LimitsReport>,
 }
 
 /// What the metrics say of smoothed tracks.
@@ -316,6 +320,8 @@ pub struct TfaCounts {
     pub output_tracks: u64,
     pub correct: u64,
     pub missed: u64,
+    /// Of the missed, those that a track followed all the same, from a later scan on.
+    pub late: u64,
     #[serde(rename = "false")]
     pub wrong: u64,
     pub matched_tracks: u64,

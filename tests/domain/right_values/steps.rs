@@ -122,6 +122,35 @@ fn the_same_tracks_are_judged_alike_tracked_here_or_uploaded() {
 }
 
 #[test]
+fn tracks_that_are_rarer_than_the_truth_are_told_how_to_be_judged() {
+    let truth = table(
+        TRUTH,
+        (0..=600).map(|tenth| format!("{},A,{tenth},0", f64::from(tenth) / 10.0)),
+    );
+    let tracks = table(
+        TRACKS,
+        (0..=24).map(|step| format!("{},1,{},0", 2.5 * f64::from(step), 25 * step)),
+    );
+    let of = |comparison: Value| {
+        judged(
+            &truth,
+            &tracks,
+            json!({"comparison": comparison, "metrics": [{"metric": "clear"}]}),
+        )
+    };
+    let outcome = of(json!({"gate_m": 5.0}));
+    assert_eq!(clear(&outcome), [25.0, 576.0, 0.0]);
+    let told = super::warning(&outcome, "judges at the rate of the tracks");
+    assert!(
+        told.contains("every 2.500 s") && told.contains("0.100 s apart"),
+        "{told}"
+    );
+    let outcome = of(json!({"gate_m": 5.0, "steps": "every_s", "every_s": 2.5}));
+    assert_eq!(clear(&outcome), [25.0, 0.0, 0.0]);
+    assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
+}
+
+#[test]
 fn a_grid_needs_its_spacing_and_nothing_else_has_one() {
     let fault = |comparison: Value| {
         let mut texts = Texts::of("csv");
