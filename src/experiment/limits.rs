@@ -202,7 +202,7 @@ mod tests {
 
     fn limit(value: Value) -> Limit {
         let mut faults = Vec::new();
-        let checked = crate::registry::check_field(&value, &Kind::Object(&LIMIT), "", &mut faults);
+        let checked = crate::registry::check_field(&value, &ONE, "", &mut faults);
         assert!(faults.is_empty(), "{faults:?}");
         serde_json::from_value(checked).unwrap()
     }
