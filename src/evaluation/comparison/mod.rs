@@ -122,7 +122,7 @@ pub(super) struct OwnTimes {
     paths: Paths<'static>,
 }
 
-/// How points are compared; for directions the gate and the reach are in degrees, at most 90.
+/// How points are compared; for directions the gate is in degrees, at most 90, and the reach less than 180.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSettings {
     pub alignment: Alignment,

@@ -78,8 +78,8 @@ struct Counts {
 }
 
 impl Metric for Clear {
-    fn accepts(&self, space: Option<Space>) -> bool {
-        space != Some(Space::Bearing)
+    fn accepts(&self, _: Option<Space>) -> bool {
+        true
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
@@ -98,10 +98,10 @@ impl Metric for Clear {
             }
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
-        let unit = if first.is_some_and(|comparison| comparison.is_in_metres()) {
-            "m"
-        } else {
-            ""
+        let unit = match first.and_then(|comparison| comparison.space) {
+            None => "",
+            Some(Space::Bearing) => "deg",
+            Some(Space::Plane | Space::Volume) => "m",
         };
         let parameters = json!({
             "gate": first.map(|comparison| comparison.gate),

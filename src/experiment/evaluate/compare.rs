@@ -18,6 +18,8 @@ use crate::model::watch::Watch;
 
 pub const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
 
+const FARTHEST_DEG: f64 = 179.999;
+
 /// Truth and tracks of one recording or run.
 pub struct Subject<'a> {
     /// As the request calls it; empty where there is only one.
@@ -122,9 +124,16 @@ pub fn compare(
         steps: spec.steps(),
         credit: spec.credit(),
     };
+    let of_directions = metrics
+        .iter()
+        .filter(|named| named.metric.accepts(Some(Space::Bearing)))
+        .map(|named| named.metric.reach_m(spec.gate_deg));
     let directions = PointSettings {
         gate_m: spec.gate_deg,
-        reach_m: spec.gate_deg,
+        // Farther apart than half a turn is nobody.
+        reach_m: of_directions
+            .fold(spec.gate_deg, f64::max)
+            .min(FARTHEST_DEG),
         ..places
     };
     let mut extent = Extent::new(watch);

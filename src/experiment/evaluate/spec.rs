@@ -12,7 +12,7 @@ use crate::model::sensor::SensorSettings;
 use serde::Deserialize;
 
 /// The metrics that directions can be judged by.
-pub const METRICS_OF_BEARINGS: &str = "track_keeping";
+pub const METRICS_OF_BEARINGS: &str = "clear, identity, hota, track_keeping";
 
 /// A request that judges tracks.
 #[derive(Clone, Deserialize)]

@@ -3,6 +3,7 @@
 mod apart;
 mod confirmed_late;
 mod correlation;
+mod directions;
 mod noise;
 mod precise_sensor;
 mod scans;
