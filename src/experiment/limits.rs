@@ -7,7 +7,7 @@
 //!   is nearer to failing, so that chance alone is unlikely to have met it. A number exactly at the limit meets it.
 //! - A number that is absent or null meets nothing: what was not measured was not shown.
 
-use super::result_numbers::{nearest_to, number_at, place_of};
+use super::result_numbers::{nearest_to, number_at, place_of, reason_at};
 use crate::math::stats::Interval;
 use crate::registry::{Field, Kind, Object, default, list, number, optional, required};
 use serde::{Deserialize, Serialize};
@@ -135,12 +135,9 @@ impl LimitsReport {
 impl Limit {
     fn check_result(&self, result: &Value) -> LimitCheck {
         let path = self.path_in(result);
-        let reason = match place_of(result, &path) {
+        let reason = match reason_at(result, &path) {
             None => format!("there is no such number{}", nearest_to(&path, result)),
-            Some(found) => {
-                let told = found.get("reason").and_then(Value::as_str);
-                told.unwrap_or("it is null or no number").to_owned()
-            }
+            Some(told) => told.to_owned(),
         };
         self.check(number_at(result, &path), None, reason)
     }

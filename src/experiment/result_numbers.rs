@@ -62,3 +62,12 @@ pub fn number_at(result: &Value, path: &str) -> Option<f64> {
         other => other.as_f64(),
     }
 }
+
+/// Why a quantity has no number, as the result says it; `None` where there is no such place.
+pub fn reason_at<'a>(result: &'a Value, path: &str) -> Option<&'a str> {
+    let told = place_of(result, path)?.get("reason");
+    Some(
+        told.and_then(Value::as_str)
+            .unwrap_or("it is null or no number"),
+    )
+}

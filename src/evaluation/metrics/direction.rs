@@ -77,7 +77,6 @@ const LOWER: &[&str] = &[
     "ospa",
     "position_95",
     "position_accuracy",
-    "position_error",
     "position_rmse",
     "redundancies",
     "spuriousness",

@@ -403,17 +403,17 @@ fn request_differences(sides: &[Side]) -> Vec<RequestDifference> {
 /// Two trackers on one truth are compared: what is judged may differ there.
 fn reads_other_data(side: &Side, other: &Side) -> bool {
     let parts = |name: &str| (side.spec.get(name), other.spec.get(name));
-    let differs = |name: &&str| {
-        let (ours, theirs) = parts(name);
-        ours != theirs
-    };
     if let (Some(ours), Some(theirs)) = parts("truth") {
         let (input, other) = parts("input");
         return ours != theirs || (input.is_some() && other.is_some() && input != other);
     }
-    ["input", "truth", "tracks", "sequences", "base"]
-        .iter()
-        .any(differs)
+    for name in ["input", "truth", "tracks", "sequences", "base"] {
+        let (ours, theirs) = parts(name);
+        if ours != theirs {
+            return true;
+        }
+    }
+    false
 }
 
 fn notes(sides: &[Side]) -> Vec<String> {
