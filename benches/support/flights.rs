@@ -190,6 +190,7 @@ fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
             std::f64::consts::PI * max_range_m * max_range_m
                 / (clutter_square_m * clutter_square_m),
         ),
+        clutter_dispersion: None,
         clutter_per_deg: None,
         clutter_within_deg: None,
         snr_db: None,
