@@ -190,6 +190,7 @@ fn parts(filter: AnyFilter, method: &str, scenario: &Scenario) -> TrackerParts {
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 5.0,
             smoothing: None,
+            merging: None,
         },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),

@@ -145,6 +145,7 @@ impl Flights {
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 1.0,
             smoothing: None,
+            merging: None,
         };
         let report = MeasurementModel::Position {
             sigma_x_m: SIGMA_M,
