@@ -168,17 +168,19 @@ impl History {
 
     /// The tracks that ended because another one followed the same target, in order of time.
     pub fn merges(&self) -> Vec<Merge> {
-        let name = |serial: u32| {
-            let named = self.names.get(serial as usize).cloned();
-            let before = &self.confirmed[..serial as usize];
-            named.unwrap_or_else(|| (before.iter().filter(|is| **is).count() + 1).to_string())
-        };
         let merge = |&(serial, into, time_s): &(u32, u32, f64)| Merge {
-            track_id: name(serial),
-            into_track_id: name(into),
+            track_id: self.name_of(serial),
+            into_track_id: self.name_of(into),
             time_s,
         };
         self.merged.iter().map(merge).collect()
+    }
+
+    /// As [`History::into_tracks`] names a track that was confirmed.
+    fn name_of(&self, serial: u32) -> String {
+        let before = self.confirmed[..serial as usize].iter().filter(|is| **is);
+        let named = self.names.get(serial as usize).cloned();
+        named.unwrap_or_else(|| (before.count() + 1).to_string())
     }
 
     /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation; those that

@@ -58,7 +58,7 @@ fn a_twin_ends_after_the_stated_scans() {
     }
 }
 
-const END_AFTER: [(u32, f64); 3] = [(1, 8.0), (3, 10.0), (10, 17.0)];
+const END_AFTER: [(u32, f64); 3] = [(1, 8.0), (3, 10.0), (10, 25.0)];
 
 /// Where nothing is merged the report has no such list.
 #[test]

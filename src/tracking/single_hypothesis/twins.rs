@@ -45,7 +45,7 @@ pub(super) static MERGING: Object = Object {
             "scans",
             "After so many scans of which two tracks near each other used a single detection together the younger one ends; a scan of which they used two starts anew.",
             whole(1, 1000, "scans"),
-            "3",
+            "5",
         ),
     ],
 };
@@ -126,9 +126,11 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
             }
         }
         idle.sort_unstable();
-        let is_idle = |serial: u32| idle.binary_search(&serial).is_ok();
-        let rests = |pair: &&Pair| is_idle(pair.older) && is_idle(pair.younger);
-        pairs.iter().filter(rests).copied().collect()
+        let is_idle = |serial: &u32| idle.binary_search(serial).is_ok();
+        let pairs = pairs.iter().copied();
+        pairs
+            .filter(|pair| [pair.older, pair.younger].iter().all(is_idle))
+            .collect()
     }
 
     /// The pairs of living confirmed tracks that are near each other and have a detection in the gates of both.
