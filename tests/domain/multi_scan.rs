@@ -208,3 +208,41 @@ fn fits_a_window(scans: &[u32]) -> bool {
     };
     third - first <= 4 && second - first <= 3 && third - second <= 3
 }
+
+/// Forty scans with 20 false detections each, and then a target: its first detection is likelier clutter than 99 to 1, and still it
+/// is found, by either beginning.
+#[test]
+fn a_target_is_found_after_clutter_alone() {
+    let draw = &mut Seed { seed: 9, run: 0 }.stream(Purpose::Clutter, 0, 0);
+    let scans: Vec<Vec<[f64; 2]>> = (0..60)
+        .map(|scan| {
+            let mut places: Vec<[f64; 2]> = (0..20)
+                .map(|_| {
+                    let [x, y]: [f64; 2] = [draw.random(), draw.random()];
+                    [1e5 * (x - 0.5), 1e5 * (y - 0.5)]
+                })
+                .collect();
+            if scan >= 40 {
+                places.push(target(scan, draw));
+            }
+            places
+        })
+        .collect();
+    for method in ["one_point", "multi_scan"] {
+        let mut texts = Texts::of("csv");
+        let body = json!({
+            "input": texts.dataset(&detections(&scans)),
+            "sensors": [{"sensor_id": "r", "p_d": 0.9, "clutter_per_m2": 2e-9, "sigma_x_m": 10, "sigma_y_m": 10}],
+            "filter": {"method": "kalman", "process_noise_m2ps3": 0.1},
+            "associator": {"method": "global_nearest_neighbour"},
+            "tracker": {"initiation": {"method": method}, "confirmation": {"rule": "existence"}, "initial_speed_sigma_mps": 20},
+        });
+        let outcome = texts.run(JobKind::Associate, &body).unwrap();
+        let tracks = outcome.result["association"]["tracks"].as_array().unwrap();
+        let spans: Vec<_> = tracks
+            .iter()
+            .map(|track| (track["start_time_s"].as_f64(), track["end_time_s"].as_f64()))
+            .collect();
+        assert_eq!(spans, [(Some(40.0), Some(59.0))], "{method}");
+    }
+}

@@ -321,6 +321,15 @@ impl Lifecycle {
         }
     }
 
+    /// The same for a track whose beginning is decided already: its existence ends it at no scan before.
+    pub(super) fn forbearing(&self) -> Lifecycle {
+        let mut lifecycle = *self;
+        if let Confirmation::Existence(rule) = &mut lifecycle.confirmation {
+            rule.delete_existence = 0.0;
+        }
+        lifecycle
+    }
+
     /// Whether tracks are judged by their score.
     pub(super) fn is_scored(&self) -> bool {
         matches!(self.confirmation, Confirmation::Score(_))

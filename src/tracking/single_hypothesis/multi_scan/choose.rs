@@ -100,10 +100,11 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     fn lives(&self, steps: &[Step<F::Belief, K>]) -> Vec<TrackLifecycleState> {
         let sensor = steps.first().map_or(0, |(layer, _)| layer.scan.sensor);
         let finds_targets = self.memory.finders & (1 << sensor.min(63)) != 0;
+        let lifecycle = self.lifecycle.forbearing();
         let mut lives: Vec<TrackLifecycleState> = Vec::with_capacity(steps.len());
         for (layer, at) in steps {
             let life = match lives.last() {
-                None => self.lifecycle.start(&Glance {
+                None => lifecycle.start(&Glance {
                     existence: Some(by_ratio(0.5, layer.log_odds)),
                     ..Glance::first(layer.scan.time_s, sensor)
                 }),
@@ -118,7 +119,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                         log_ratio: at.log_ratio,
                         existence: None,
                     };
-                    self.lifecycle.advance(&mut life, &glance);
+                    lifecycle.advance(&mut life, &glance);
                     life
                 }
             };
