@@ -1,6 +1,7 @@
 //! Two tracks on one target, and two detections of one target in a scan.
 
 use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::experiment::{self, Input, JobKind, Outcome, plan};
 use trackloom_domain::formats::{ReadOptions, format_named};
@@ -138,4 +139,97 @@ fn a_distance_that_is_none_is_refused() {
             "/tracker/merging/scans"
         ]
     );
+}
+
+/// A file of the job by its columns.
+fn columns<const N: usize>(outcome: &Outcome, file: &str, names: [&str; N]) -> Vec<[String; N]> {
+    let found = outcome.artifacts.iter().find(|found| found.name == file);
+    let text = String::from_utf8(found.unwrap().bytes.clone()).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let places = names.map(|name| header.iter().position(|known| *known == name).unwrap());
+    lines
+        .map(|cells| places.map(|place| cells[place].to_owned()))
+        .collect()
+}
+
+fn number(text: &str) -> f64 {
+    text.parse().unwrap()
+}
+
+/// For how many scans in a row at most the same two confirmed tracks are within 50 m of the aircraft.
+fn longest_twin(outcome: &Outcome) -> u32 {
+    let truth = columns(outcome, "truth.csv", ["time_s", "x_m", "y_m"]);
+    let place_at: BTreeMap<String, [f64; 2]> = truth
+        .into_iter()
+        .map(|[time, x_m, y_m]| (time, [number(&x_m), number(&y_m)]))
+        .collect();
+    let mut near: BTreeMap<i64, BTreeSet<String>> = BTreeMap::new();
+    for [time, track, x_m, y_m, status] in columns(
+        outcome,
+        "tracks.csv",
+        ["time_s", "track_id", "x_m", "y_m", "status"],
+    ) {
+        let tracks = near.entry(number(&time) as i64).or_default();
+        if let Some(place) = place_at.get(&time)
+            && status != "tentative"
+            && (number(&x_m) - place[0]).hypot(number(&y_m) - place[1]) <= 50.0
+        {
+            tracks.insert(track);
+        }
+    }
+    let (mut lasting, mut longest) = (BTreeMap::new(), 0);
+    for tracks in near.values() {
+        let mut now = BTreeMap::new();
+        for one in tracks {
+            for other in tracks.iter().filter(|other| *other > one) {
+                let pair = (one.clone(), other.clone());
+                let scans = lasting.get(&pair).map_or(1, |before: &u32| before + 1);
+                longest = longest.max(scans);
+                now.insert(pair, scans);
+            }
+        }
+        lasting = now;
+    }
+    longest
+}
+
+/// An aircraft on the ground of Zurich, whose recorded places jump: a second track that begins after a jump lives on under PDA.
+#[test]
+fn an_aircraft_on_the_ground_has_no_twin_for_long() {
+    let Some(read) = crate::real_files::read("adsb-traffic/zurich_airport.json.gz", &[]) else {
+        return;
+    };
+    let longest = |merging: Option<Value>| {
+        let mut body = json!({
+            "seed": 0,
+            "truth": {"source": "dataset", "dataset_id": "truth"},
+            "input": {"source": "scenario", "scenario": {
+                "scans": 2290, "scan_period_s": 1,
+                "sensors": [{
+                    "sensor_id": "radar", "lat_deg": 47.4582, "lon_deg": 8.548, "max_range_m": 5000, "p_d": 0.95, "sigma_range_m": 5,
+                    "sigma_bearing_deg": 0.1, "clutter_per_scan": 10
+                }],
+                "targets": {"kind": "recorded", "max_gap_s": 60, "start_s": 1_570_302_532.0}
+            }},
+            "associator": {"method": "pda"},
+            "filter": {"method": "unscented", "process_noise_m2ps3": 1},
+            "tracker": {"initial_speed_sigma_mps": 15},
+            "comparison": {"gate_m": 50},
+            "metrics": [{"metric": "clear"}]
+        });
+        if let Some(merging) = merging {
+            body["tracker"]["merging"] = merging;
+        }
+        let plan = plan(JobKind::Evaluate, &body).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let truth = Input {
+            dataset: read.dataset.clone(),
+            sensors: Vec::new(),
+            sha256: String::new(),
+        };
+        let outcome = experiment::run(&plan, vec![Some(truth)], &mut Silent).unwrap();
+        longest_twin(&outcome)
+    };
+    assert_eq!(longest(None), 394);
+    assert_eq!(longest(Some(json!({"probability": 0.9999, "scans": 2}))), 4);
 }
