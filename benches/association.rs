@@ -141,6 +141,13 @@ fn existence_scenes(u_ns: f64) {
             },
         ),
         (
+            "PMB, GNN",
+            Contender {
+                tracker: 1,
+                ..Contender::new("global_nearest_neighbour")
+            },
+        ),
+        (
             "PMB, JPDA*",
             Contender {
                 tracker: 1,

@@ -35,16 +35,12 @@ pub(crate) fn request(associator: &str) -> Value {
     })
 }
 
-/// JPDA with tracks that begin over several scans and exist with a probability; the density of clutter is estimated.
+/// JPDA with tracks that begin over several scans and exist with a probability, and the density of clutter of the document.
 fn with_existence() -> Value {
     let mut request = request("jpda");
-    request["sensors"][0]
-        .as_object_mut()
-        .unwrap()
-        .remove("clutter_per_m2");
-    request["sensors"][0]["clutter"] = json!({"method": "estimated"});
+    request["sensors"][0]["clutter_per_m2"] = json!(8e-4);
     request["tracker"]["initiation"] = json!({"method": "multi_scan"});
-    request["tracker"]["confirmation"] = json!({"rule": "existence"});
+    request["tracker"]["confirmation"] = json!({"rule": "existence", "confirm_existence": 0.999});
     request
 }
 
