@@ -35,6 +35,15 @@ pub(crate) fn request(associator: &str) -> Value {
     })
 }
 
+/// JPDA with tracks that begin over several scans and exist with a probability, and the density of clutter of the document.
+fn with_existence() -> Value {
+    let mut request = request("jpda");
+    request["sensors"][0]["clutter_per_m2"] = json!(8e-4);
+    request["tracker"]["initiation"] = json!({"method": "multi_scan"});
+    request["tracker"]["confirmation"] = json!({"rule": "existence", "confirm_existence": 0.999});
+    request
+}
+
 pub(crate) fn load(folder: &Path, name: &str, kind: DatasetKind) -> Dataset {
     let format = format_named("autoferry").expect("the format is in the table");
     let options = ReadOptions {
@@ -66,8 +75,8 @@ pub(crate) fn inputs(detections: &Dataset, sensor_id: &str, truth: &Dataset) -> 
 }
 
 /// One line of the table.
-fn line(scenario: u32, associator: &str, inputs: &[Option<Input>]) -> String {
-    let plan = experiment::plan(JobKind::Evaluate, &request(associator)).unwrap();
+fn line(scenario: u32, name: &str, request: &Value, inputs: &[Option<Input>]) -> String {
+    let plan = experiment::plan(JobKind::Evaluate, request).unwrap();
     let outcome = experiment::run(&plan, inputs.to_vec(), &mut Silent).unwrap();
     let value = |pointer: &str| {
         outcome
@@ -96,7 +105,7 @@ fn line(scenario: u32, associator: &str, inputs: &[Option<Input>]) -> String {
             .count()
     };
     format!(
-        "| {scenario} | {associator} | {} | {} / {} / {} | {} | {} | {} | {} | {} ({} / {} / {}) |\n",
+        "| {scenario} | {name} | {} | {} / {} / {} | {} | {} | {} | {} | {} ({} / {} / {}) |\n",
         whole("/association/counts/tracks"),
         whole("/tfa/counts/correct"),
         whole("/tfa/counts/missed"),
@@ -170,8 +179,11 @@ fn table(folder: &Path, scenarios: &[u32]) -> String {
             .iter()
             .filter(|method| !["oracle", "strongest_neighbour"].contains(&method.name))
         {
-            text.push_str(&line(scenario, method.name, &inputs));
+            let request = request(method.name);
+            text.push_str(&line(scenario, method.name, &request, &inputs));
         }
+        let request = with_existence();
+        text.push_str(&line(scenario, "jpda, existence", &request, &inputs));
     }
     text
 }

@@ -78,7 +78,7 @@ fn campaign() -> Preset {
     }
 }
 
-fn quantity(name: &str, path: &str) -> Value {
+pub(super) fn quantity(name: &str, path: &str) -> Value {
     json!({"name": name, "path": format!("metrics.{path}")})
 }
 
