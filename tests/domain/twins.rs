@@ -215,7 +215,7 @@ fn an_aircraft_on_the_ground_has_no_twin_for_long() {
             "associator": {"method": "pda"},
             "filter": {"method": "unscented", "process_noise_m2ps3": 1},
             "tracker": {"initial_speed_sigma_mps": 15},
-            "comparison": {"gate_m": 50},
+            "comparison": {"gate_m": 50, "credit": "afterwards"},
             "metrics": [{"metric": "clear"}]
         });
         if let Some(merging) = merging {

@@ -97,7 +97,7 @@ impl Scene {
             "kind": "evaluate",
             "input": {"source": "scenario", "scenario": self.scenario},
             "filter": {"method": "kalman", "process_noise_m2ps3": self.process_noise_m2ps3},
-            "comparison": {"gate_m": self.cutoff_m},
+            "comparison": {"gate_m": self.cutoff_m, "credit": "afterwards"},
             "metrics": [{"metric": "gospa", "cutoff_m": self.cutoff_m}, {"metric": "t_gospa", "cutoff_m": self.cutoff_m}],
             "tfa": {"symbols": {"kind": "detection_id"}, "decision": {"policy": "most_probable"}, "max_missed": 5}
         });
