@@ -59,7 +59,7 @@ pub enum HeldAgainst {
 
 /// One limit of a request.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = JudgedLimit))]
 pub struct Limit {
     pub quantity: String,
     #[serde(skip_serializing_if = "Option::is_none")]
