@@ -321,9 +321,10 @@ function Differences({ comparison }: { comparison: Comparison }): JSX.Element | 
   );
   const note = (
     <p class="muted small frame-note">
-      Each job less {base}, pair by pair: over the runs of campaigns, over targets, over the times at
-      which truth and tracks were compared. {number(comparison.confidence * 100)} % interval; times follow each
-      other, so theirs is from the means of batches. A filled bar does not touch zero.
+      Each job less {base}, pair by pair: over the runs of campaigns, over targets, over the times
+      at which truth and tracks were compared. {number(comparison.confidence * 100)} % interval;
+      times follow each other, so theirs is from the means of batches. A filled bar does not touch
+      zero.
     </p>
   );
   return (
