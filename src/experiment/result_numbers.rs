@@ -71,3 +71,8 @@ pub fn reason_at<'a>(result: &'a Value, path: &str) -> Option<&'a str> {
             .unwrap_or("it is null or no number"),
     )
 }
+
+/// Whether this is a number with its unit, or the reason why there is none.
+pub fn is_quantity(found: &Value) -> bool {
+    found.get("value").is_some()
+}

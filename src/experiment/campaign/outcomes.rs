@@ -5,7 +5,7 @@ use super::cells::Cell;
 use super::shares::{DIFFERENCE, SHARE, is_share};
 use super::stop::Ended;
 use crate::experiment::limits::LimitsReport;
-use crate::experiment::result_numbers::{fields_at, nearest_to, number_at, place_of};
+use crate::experiment::result_numbers::{fields_at, is_quantity, nearest_to, number_at, place_of};
 use crate::math::rng::{Purpose, Seed};
 use crate::math::stats::{self, Interval};
 use crate::model::fault::Fault;
@@ -80,7 +80,7 @@ impl Outcome {
                 "'{}' is null, as a share or a mean of nothing is{said}",
                 self.path
             ),
-            Some(found) if !found.is_object() || found.get("value").is_none() => {
+            Some(found) if !is_quantity(found) => {
                 format!(
                     "'{}' is no number{}",
                     self.path,
