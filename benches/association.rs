@@ -5,13 +5,15 @@
 //! (the filter alone) and under every other associator, in u, as a ratio to the oracle, and for each detection as a ratio to
 //! the smallest scene. Last, what JPDA costs in whole runs and how it found its marginals.
 //! `cargo bench --bench association -- 100 5000` runs only these sizes, `-- jpda` only the whole runs of JPDA, `-- imm` only what
-//! filters of several motion models cost, `-- space` only what tracks in space cost beside those in the plane.
+//! filters of several motion models cost, `-- space` only what tracks in space cost beside those in the plane, `-- begin` what beginnings over several
+//! scans cost, and `-- existence` what trackers with a probability of existence cost.
 
 #[path = "support/flights.rs"]
 mod flights;
 #[path = "support/yardstick.rs"]
 mod yardstick;
 
+use serde::Deserialize;
 use serde_json::json;
 use std::hint::black_box;
 use std::time::Instant;
@@ -28,7 +30,7 @@ use trackloom_domain::model::space::Space;
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{
-    Confirmation, History, Initiation, Lifecycle, MultiScan, TRACKERS, TrackerParts,
+    Confirmation, History, Initiation, LIFECYCLE, Lifecycle, MultiScan, TRACKERS, TrackerParts,
 };
 use yardstick::yardstick_ns;
 
@@ -73,6 +75,10 @@ fn main() {
         begin_scenes(u_ns);
         return;
     }
+    if std::env::args().any(|argument| argument == "existence") {
+        existence_scenes(u_ns);
+        return;
+    }
     if std::env::args().any(|argument| argument == "space") {
         space_scenes(u_ns);
         return;
@@ -93,6 +99,82 @@ fn main() {
         imm_scenes(u_ns);
         space_scenes(u_ns);
         begin_scenes(u_ns);
+        existence_scenes(u_ns);
+    }
+}
+
+/// The whole run of trackers with a probability of existence beside that of JPDA with M of N.
+fn existence_scenes(u_ns: f64) {
+    println!("\nExistence, for each detection");
+    println!(
+        "{:>8}  {:<24} {:>10} {:>8} {:>8} {:>11}",
+        "targets", "tracker", "ns each", "u each", "/ JPDA", "/ smallest"
+    );
+    let jpda = Contender::new("jpda");
+    let apart = json!({"against_coalescence": "best_permutation"});
+    let existence = Lifecycle::deserialize(
+        registry::check(&json!({"confirmation": {"rule": "existence"}}), &LIFECYCLE)
+            .expect("the parameters are right"),
+    );
+    let confirmation = existence.expect("checked parameters build").confirmation;
+    let contenders = [
+        ("JPDA", jpda.clone()),
+        (
+            "JPDA*",
+            Contender {
+                parameters: apart.clone(),
+                ..jpda.clone()
+            },
+        ),
+        (
+            "JPDA, existence",
+            Contender {
+                confirmation,
+                ..jpda.clone()
+            },
+        ),
+        (
+            "PMB",
+            Contender {
+                tracker: 1,
+                ..jpda.clone()
+            },
+        ),
+        (
+            "PMB, GNN",
+            Contender {
+                tracker: 1,
+                ..Contender::new("global_nearest_neighbour")
+            },
+        ),
+        (
+            "PMB, JPDA*",
+            Contender {
+                tracker: 1,
+                parameters: apart,
+                ..jpda
+            },
+        ),
+    ];
+    let mut smallest = Vec::new();
+    for targets in [100, 1_000] {
+        let (scenario, recording) = scene(targets);
+        let detections = recording.detection_count() as f64;
+        let mut least_ns = vec![f64::INFINITY; contenders.len()];
+        for _ in 0..RUNS {
+            for (least_ns, (_, contender)) in least_ns.iter_mut().zip(&contenders) {
+                let (seconds, ..) = contender.run(&scenario, &recording);
+                *least_ns = least_ns.min(seconds * 1e9 / detections);
+            }
+        }
+        if smallest.is_empty() {
+            smallest.clone_from(&least_ns);
+        }
+        for (index, (name, _)) in contenders.iter().enumerate() {
+            let ns = least_ns[index];
+            let (u, ratio, growth) = (ns / u_ns, ns / least_ns[0], ns / smallest[index]);
+            println!("{targets:>8}  {name:<24} {ns:>10.1} {u:>8.2} {ratio:>8.2} {growth:>11.2}");
+        }
     }
 }
 
@@ -283,6 +365,7 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             sigma_bearing_deg: None,
             sigma_range_rate_mps: None,
             clutter_per_scan: Some(5.0 * scale * scale),
+            clutter_dispersion: None,
             clutter_per_deg: None,
             clutter_within_deg: None,
             snr_db: None,
@@ -313,7 +396,7 @@ fn recorded(scenario: Scenario) -> (Scenario, Recording) {
 
 /// Seconds for the whole tracker, and how many living tracks it carried through a scan, summed over the scans.
 fn tracked(
-    method: &str,
+    method: &'static str,
     scenario: &Scenario,
     recording: &Recording,
 ) -> (f64, u64, Option<serde_json::Value>) {
@@ -322,7 +405,7 @@ fn tracked(
 
 fn tracked_with(
     filter: AnyFilter,
-    method: &str,
+    method: &'static str,
     scenario: &Scenario,
     recording: &Recording,
 ) -> (f64, u64, Option<serde_json::Value>) {
@@ -332,76 +415,117 @@ fn tracked_with(
 fn tracked_from(
     initiation: Initiation,
     filter: AnyFilter,
-    method: &str,
+    method: &'static str,
     scenario: &Scenario,
     recording: &Recording,
 ) -> (f64, u64, Option<serde_json::Value>) {
-    let sensor = &scenario.sensors[0];
-    // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
-    let initial_speed_sigma_mps = if sensor.max_range_m < Some(10_000.0) {
-        10.0
-    } else {
-        430.0
-    };
-    let Some(ReportNoise::Position {
-        sigma_x_m,
-        sigma_y_m,
-        ..
-    }) = sensor.noise()
-    else {
-        panic!("the scenes have position reports")
-    };
-    let parts = TrackerParts {
+    let contender = Contender {
+        initiation,
         filter,
-        associator: associator(method, &json!({})),
-        lifecycle: Lifecycle {
-            gate_probability: 0.999,
-            initiation,
-            confirmation: Confirmation::MOfN,
-            confirm_hits: 3,
-            confirm_window: 5,
-            max_missed: 5,
-            max_missed_s: None,
-            max_position_sigma_m: None,
-            initial_speed_sigma_mps,
-            smoothing: None,
-        },
-        sensors: vec![Sensor {
-            sensor_id: "radar".into(),
-            p_d: sensor.p_d,
-            clutter_density: sensor.clutter_per_m2().unwrap_or_default(),
-            may_start: true,
-            report: match filter.space() {
-                Space::Volume => MeasurementModel::Position3 {
-                    sigmas_m: [sigma_x_m, sigma_y_m, sigma_x_m],
-                    clutter_span: Some(10_000.0),
-                },
-                _ => MeasurementModel::Position {
-                    sigma_x_m,
-                    sigma_y_m,
-                },
-            },
-            sight: None,
-        }],
-        undetected: None,
-        given: Vec::new(),
+        ..Contender::new(method)
     };
-    let start = Instant::now();
-    let mut tracker = (TRACKERS[0].build)(parts);
-    let mut history = History::default();
-    let mut track_scans = 0;
-    for scan in &recording.scans {
-        track_scans += u64::from(
-            tracker
-                .step(scan, &mut history, &Watch::never())
-                .expect("the scene fits")
-                .tracks,
-        );
+    contender.run(scenario, recording)
+}
+
+/// What is timed.
+#[derive(Clone)]
+struct Contender {
+    /// Of the associator, with its parameters.
+    method: &'static str,
+    parameters: serde_json::Value,
+    filter: AnyFilter,
+    initiation: Initiation,
+    confirmation: Confirmation,
+    /// Index into the table of trackers.
+    tracker: usize,
+}
+
+impl Contender {
+    fn new(method: &'static str) -> Self {
+        Contender {
+            method,
+            parameters: json!({}),
+            filter: AnyFilter::kalman(1.0),
+            initiation: Initiation::OnePoint,
+            confirmation: Confirmation::MOfN,
+            tracker: 0,
+        }
     }
-    let seconds = start.elapsed().as_secs_f64();
-    let diagnostics = tracker.diagnostics();
-    black_box(history);
-    (seconds, track_scans, diagnostics)
+
+    /// Seconds, track scans and what the associator says.
+    fn run(
+        &self,
+        scenario: &Scenario,
+        recording: &Recording,
+    ) -> (f64, u64, Option<serde_json::Value>) {
+        let sensor = &scenario.sensors[0];
+        // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
+        let initial_speed_sigma_mps = if sensor.max_range_m < Some(10_000.0) {
+            10.0
+        } else {
+            430.0
+        };
+        let Some(ReportNoise::Position {
+            sigma_x_m,
+            sigma_y_m,
+            ..
+        }) = sensor.noise()
+        else {
+            panic!("the scenes have position reports")
+        };
+        let parts = TrackerParts {
+            filter: self.filter,
+            associator: associator(self.method, &self.parameters),
+            lifecycle: Lifecycle {
+                gate_probability: 0.999,
+                initiation: self.initiation,
+                confirmation: self.confirmation,
+                confirm_hits: 3,
+                confirm_window: 5,
+                max_missed: 5,
+                max_missed_s: None,
+                max_position_sigma_m: None,
+                initial_speed_sigma_mps,
+                smoothing: None,
+                merging: None,
+            },
+            sensors: vec![Sensor {
+                sensor_id: "radar".into(),
+                p_d: sensor.p_d,
+                clutter_density: sensor.clutter_per_m2().unwrap_or_default(),
+                may_start: true,
+                report: match self.filter.space() {
+                    Space::Volume => MeasurementModel::Position3 {
+                        sigmas_m: [sigma_x_m, sigma_y_m, sigma_x_m],
+                        clutter_span: Some(10_000.0),
+                    },
+                    _ => MeasurementModel::Position {
+                        sigma_x_m,
+                        sigma_y_m,
+                    },
+                },
+                sight: None,
+            }],
+            undetected: None,
+            given: Vec::new(),
+        };
+        let start = Instant::now();
+        let mut tracker = (TRACKERS[self.tracker].build)(parts);
+        let mut history = History::default();
+        let mut track_scans = 0;
+        for scan in &recording.scans {
+            track_scans += u64::from(
+                tracker
+                    .step(scan, &mut history, &Watch::never())
+                    .expect("the scene fits")
+                    .tracks,
+            );
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let diagnostics = tracker.diagnostics();
+        black_box(history);
+        (seconds, track_scans, diagnostics)
+    }
 }
 
 /// Scenes that decide whether a JPDA is usable: what the whole run costs, and how its marginals were found.
@@ -480,6 +604,7 @@ fn dense_scene() -> (Scenario, Recording) {
         sigma_bearing_deg: None,
         sigma_range_rate_mps: None,
         clutter_per_scan: Some(500.0),
+        clutter_dispersion: None,
         clutter_per_deg: None,
         clutter_within_deg: None,
         snr_db: None,

@@ -10,6 +10,7 @@ mod yardstick;
 
 use std::hint::black_box;
 use std::time::Instant;
+use trackloom_domain::evaluation::steps::StepSettings;
 use trackloom_domain::evaluation::strings::{self, StringRules, Strings};
 use trackloom_domain::evaluation::temporal_automaton::births::Births;
 use trackloom_domain::evaluation::temporal_automaton::paths::Paths;
@@ -31,7 +32,7 @@ const RULES: StringRules = StringRules {
     decision: SETTINGS.decision,
     max_missed: 5,
     sensors: None,
-    time_tolerance_s: None,
+    steps: StepSettings::default(),
 };
 
 fn main() {

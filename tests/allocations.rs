@@ -108,6 +108,7 @@ fn scene(side: u32) -> (Scenario, Recording) {
         sigma_bearing_deg: None,
         sigma_range_rate_mps: None,
         clutter_per_scan: Some(f64::from(side * side) / 2.0),
+        clutter_dispersion: None,
         clutter_per_deg: None,
         clutter_within_deg: None,
         snr_db: None,
@@ -189,6 +190,7 @@ fn parts(filter: AnyFilter, method: &str, scenario: &Scenario) -> TrackerParts {
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 5.0,
             smoothing: None,
+            merging: None,
         },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),

@@ -249,6 +249,7 @@ fn lifecycle() -> Lifecycle {
         max_position_sigma_m: None,
         initial_speed_sigma_mps: 1.0,
         smoothing: None,
+        merging: None,
     }
 }
 

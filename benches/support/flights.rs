@@ -145,6 +145,7 @@ impl Flights {
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 1.0,
             smoothing: None,
+            merging: None,
         };
         let report = MeasurementModel::Position {
             sigma_x_m: SIGMA_M,
@@ -190,6 +191,7 @@ fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
             std::f64::consts::PI * max_range_m * max_range_m
                 / (clutter_square_m * clutter_square_m),
         ),
+        clutter_dispersion: None,
         clutter_per_deg: None,
         clutter_within_deg: None,
         snr_db: None,

@@ -18,9 +18,12 @@ pub struct AxisScan {
     pub number: u32,
     pub time_s: f64,
     pub position: usize,
-    /// `None` where scans are told apart by time alone.
+    /// `None` where scans are told apart by time alone, and of a step that fills a hole.
     sensor: Option<usize>,
 }
+
+/// The place of a scan that no recording has.
+const NOT_RECORDED: u32 = u32::MAX;
 
 #[derive(Debug)]
 pub struct Axis {
@@ -30,6 +33,8 @@ pub struct Axis {
     /// What times belong to which scan.
     steps: Steps,
     by_time_alone: bool,
+    /// Of each scan its place in the recording, where that is another one.
+    recorded: Vec<u32>,
 }
 
 impl Axis {
@@ -73,7 +78,62 @@ impl Axis {
             sensor_of_point,
             steps,
             by_time_alone: false,
+            recorded: Vec::new(),
         }
+    }
+
+    /// The same with the steps that fill holes of the recording; a hole that is filled takes no places besides.
+    pub fn of_filled(
+        recording: &Recording,
+        tracks: &TrackSet,
+        steps: Steps,
+        max_missed: u32,
+    ) -> Self {
+        let filled = steps.filled;
+        let mut axis = Axis::of_recording(recording, tracks, steps, max_missed);
+        if filled == 0 {
+            return axis;
+        }
+        let is_recorded = |time_s: &f64| {
+            let place = recording
+                .scans
+                .partition_point(|scan| scan.time_s < *time_s);
+            recording
+                .scans
+                .get(place)
+                .is_some_and(|scan| scan.time_s == *time_s)
+        };
+        let mut holes = axis
+            .steps
+            .times_s()
+            .filter(|time_s| !is_recorded(time_s))
+            .peekable();
+        let (mut scans, mut recorded) = (Vec::new(), Vec::new());
+        let (mut position, mut before) = (0, None::<AxisScan>);
+        for (index, scan) in axis.scans.iter().enumerate() {
+            let is_first_filled = holes.peek().is_some_and(|time_s| *time_s < scan.time_s);
+            while let Some(time_s) = holes.next_if(|time_s| *time_s < scan.time_s) {
+                let number = before.map_or(scan.number, |before| before.number);
+                scans.push(AxisScan {
+                    number,
+                    time_s,
+                    position,
+                    sensor: None,
+                });
+                recorded.push(NOT_RECORDED);
+                position += 1;
+            }
+            if !is_first_filled && let Some(before) = before {
+                position += scan.position - before.position - 1;
+            }
+            scans.push(AxisScan { position, ..*scan });
+            recorded.push(index as u32);
+            position += 1;
+            before = Some(*scan);
+        }
+        drop(holes);
+        (axis.scans, axis.recorded) = (scans, recorded);
+        axis
     }
 
     pub fn of_steps(steps: Steps) -> Self {
@@ -89,7 +149,22 @@ impl Axis {
             sensor_of_point: Vec::new(),
             steps,
             by_time_alone: true,
+            recorded: Vec::new(),
         }
+    }
+
+    /// The place of a scan among those of the recording; `None` of a step that fills a hole.
+    pub fn recorded(&self, scan: usize) -> Option<usize> {
+        let place = self.recorded.get(scan).map_or(scan as u32, |place| *place);
+        (place != NOT_RECORDED).then_some(place as usize)
+    }
+
+    /// The times that belong to a scan.
+    pub fn window_s(&self, scan: usize) -> (f64, f64) {
+        let time_s = self.scans[scan].time_s;
+        self.steps
+            .at(time_s)
+            .map_or((time_s, time_s), |step| self.steps.window_s(step))
     }
 
     /// Times nearer than this belong to one scan.
@@ -147,7 +222,12 @@ impl Axis {
         match point.sensor {
             Some(sensor) => {
                 let wanted = self.sensor_of_point[sensor as usize]?;
-                at_time.find(|&scan| self.scans[scan].sensor == Some(wanted))
+                let is_fit = |scan: &usize| {
+                    self.scans[*scan]
+                        .sensor
+                        .is_none_or(|sensor| sensor == wanted)
+                };
+                at_time.find(is_fit)
             }
             None => (at_time.len() == 1).then_some(at_time.start),
         }
@@ -215,7 +295,7 @@ mod tests {
     }
 
     fn steps(recording: &Recording) -> Steps {
-        Steps::new(Some(recording), None, &TrackSet::default(), None)
+        Steps::of_detections(recording, &TrackSet::default(), None)
     }
 
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {

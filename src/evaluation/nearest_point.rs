@@ -33,6 +33,20 @@ impl PlaceTree {
         PlaceTree(nodes)
     }
 
+    pub fn places(&self) -> impl Iterator<Item = &Place> {
+        self.0.iter().map(|node| &node.place)
+    }
+
+    /// Every place at most `limit_m` away, in no order.
+    pub fn for_each_within(
+        &self,
+        position_m: &space::Place,
+        limit_m: f64,
+        found: &mut impl FnMut(&Place),
+    ) {
+        look_within(&self.0, position_m, limit_m, found);
+    }
+
     /// Index of the nearest place at most `limit_m` away.
     pub fn nearest(&self, position_m: &space::Place, limit_m: f64) -> Option<u32> {
         let mut best: Best = (limit_m * limit_m, u32::MAX, None);
@@ -65,6 +79,29 @@ fn arrange(nodes: &mut [Node]) {
 fn extent_m(nodes: &[Node], axis: usize) -> f64 {
     let values_m = || nodes.iter().map(|node| node.place.position_m[axis]);
     values_m().fold(f64::NEG_INFINITY, f64::max) - values_m().fold(f64::INFINITY, f64::min)
+}
+
+fn look_within(
+    nodes: &[Node],
+    wanted: &space::Place,
+    limit_m: f64,
+    found: &mut impl FnMut(&Place),
+) {
+    if nodes.is_empty() {
+        return;
+    }
+    let middle = nodes.len() / 2;
+    let Node { place, axis } = &nodes[middle];
+    if (place.position_m - wanted).norm() <= limit_m {
+        found(place);
+    }
+    let offset_m = wanted[*axis] - place.position_m[*axis];
+    if offset_m <= limit_m {
+        look_within(&nodes[..middle], wanted, limit_m, found);
+    }
+    if -offset_m <= limit_m {
+        look_within(&nodes[middle + 1..], wanted, limit_m, found);
+    }
 }
 
 fn search(nodes: &[Node], wanted: &space::Place, best: &mut Best) {
@@ -116,7 +153,15 @@ mod tests {
                 .filter(|&(squared, ..)| squared <= limit * limit)
                 .min();
             let wanted = space::Place::new(x.into(), y.into(), z.into());
-            let found = PlaceTree::new(places).nearest(&wanted, f64::from(limit));
+            let is_within = |place: &&Place| (place.position_m - wanted).norm() <= f64::from(limit);
+            let mut within: Vec<u32> = places.iter().filter(is_within).map(|place| place.index).collect();
+            let tree = PlaceTree::new(places);
+            let mut seen = Vec::new();
+            tree.for_each_within(&wanted, f64::from(limit), &mut |place| seen.push(place.index));
+            within.sort_unstable();
+            seen.sort_unstable();
+            prop_assert_eq!(seen, within);
+            let found = tree.nearest(&wanted, f64::from(limit));
             prop_assert_eq!(found, naive.map(|(_, _, index)| index));
         }
     }

@@ -84,6 +84,7 @@ fn compare_boxes(
         tracks: presences(tracks),
         pairs: Vec::with_capacity(truth.len() + tracks.len()),
         warnings: warnings(truth, tracks),
+        ..Comparison::default()
     };
     let mut sweep = Sweep::default();
     let (mut truth_from, mut track_from) = (0, 0);
@@ -105,6 +106,7 @@ fn compare_boxes(
         let pairs = first_pair..comparison.pairs.len();
         comparison.steps.push(ComparedStep {
             time_s: f64::from(frame),
+            is_extra: false,
             truths,
             tracks: seen,
             pairs,

@@ -1,9 +1,12 @@
 //! Small scenes for the tests of this folder: truths and tracks on a line, compared at steps one second apart.
 
 use super::EvaluationInput;
-use super::comparison::{Alignment, Comparison, PointSettings};
+use super::comparison::{Comparison, PointSettings};
+use super::credit::Credit;
 use super::events::EventLog;
 use super::metrics::{METRICS, Metric, MetricReport, Sequence};
+use super::paths::Alignment;
+use super::steps::StepSettings;
 use crate::model::space::Space;
 use crate::model::state::{Position, State};
 use crate::model::track::{Kinematics, Track, TrackPoint, TrackSet};
@@ -75,7 +78,9 @@ fn compare_sets(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Comparison 
         truth: Some(truth),
         tracks,
     };
-    let alignment = Alignment::Interpolate { max_gap_s: 0.0 };
+    let alignment = Alignment::Interpolate {
+        max_gap_s: Some(0.0),
+    };
     Comparison::of_points(
         &input,
         truth,
@@ -83,7 +88,8 @@ fn compare_sets(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Comparison 
             alignment,
             gate_m,
             reach_m: 2.0 * gate_m,
-            time_tolerance_s: None,
+            steps: StepSettings::default(),
+            credit: Credit::Afterwards,
         },
     )
 }

@@ -1,6 +1,7 @@
 //! What a job is: a request that was parsed, the inputs that it reads, and what it leaves behind. Each kind implements [`Job`]
 //! in a folder of its own.
 
+use super::limits::{self, Limit};
 use super::observer::Observer;
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
@@ -99,6 +100,8 @@ pub struct Plan {
     /// What must be loaded before it runs, in the order in which [`run`] takes it.
     pub inputs: Vec<InputRequest>,
     pub cost: Cost,
+    /// What the result must meet.
+    pub limits: Vec<Limit>,
     pub job: Arc<dyn Job>,
 }
 
@@ -398,6 +401,14 @@ pub fn run_with(
     };
     let mut outcome = plan.job.run(work, observer)?;
     unsign_zeros(&mut outcome.result);
+    // A campaign judges its cells itself, for others put their runs together.
+    if !plan.limits.is_empty() && plan.kind != JobKind::Campaign {
+        let report = limits::judge(&plan.limits, &outcome.result);
+        outcome.warnings.extend(report.warning());
+        if let Some(parts) = outcome.result.as_object_mut() {
+            parts.insert("limits".to_owned(), to_value(&report)?);
+        }
+    }
     Ok(outcome)
 }
 

@@ -16,9 +16,11 @@ mod group;
 mod input;
 pub mod inspect;
 mod job;
+mod limits;
 pub mod observer;
 pub mod presets;
 mod request;
+mod result_numbers;
 mod simulate;
 #[cfg(test)]
 mod tests;
@@ -27,6 +29,7 @@ pub use associate::track::SMOOTHED_TRACKS;
 pub use associate::{AssociateResult, Association, gates};
 pub use campaign::CampaignResult;
 pub use correlate::CorrelateResult;
+pub use evaluate::Compared;
 pub use files::text;
 pub use group::GroupResult;
 pub use input::DetectionResult;
@@ -34,6 +37,7 @@ pub use job::{
     ARTIFACT_TYPES, Artifact, AssociationTime, CellTime, Cost, Estimates, Input, InputRequest,
     Inputs, Job, JobKind, Known, Outcome, Plan, RunError, Source, run,
 };
+pub use limits::{Limit, LimitCheck, LimitsReport};
 pub use request::job_shape;
 pub use simulate::SimulateResult;
 
@@ -93,7 +97,9 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         request: request_object,
     };
     let definition = find(kind);
-    let draft = Draft::new(body, definition.request)?;
+    let mut draft = Draft::new(body, definition.request)?;
+    request::limits::check_limits(&mut draft, kind == JobKind::Campaign);
+    let limits = draft.read("/limits").unwrap_or_default();
     let Planned {
         spec,
         seed,
@@ -110,6 +116,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         time_association: false,
         inputs,
         cost,
+        limits,
         job,
     })
 }

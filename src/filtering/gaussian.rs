@@ -126,6 +126,10 @@ where
         wander(&self.motion, dt_s, speed_mps)
     }
 
+    fn white_acceleration(&self) -> Option<f64> {
+        self.motion.white_acceleration()
+    }
+
     fn rate_sigma(&self, speed_sigma_mps: f64) -> f64 {
         self.rate_sigma.unwrap_or(speed_sigma_mps)
     }

@@ -97,6 +97,11 @@ pub trait Filter<const K: usize>: Copy + Send + 'static {
     /// target of this speed.
     fn most_rate_variance(&self, dt_s: f64, speed_mps: f64) -> f64;
 
+    /// As of [`crate::model::motion::Motion::white_acceleration`]; of a filter of one Gaussian alone.
+    fn white_acceleration(&self) -> Option<f64> {
+        None
+    }
+
     /// Standard deviation of the rates of a new track, where the tracker says `speed_sigma_mps` of velocities.
     fn rate_sigma(&self, speed_sigma_mps: f64) -> f64;
 }

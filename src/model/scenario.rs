@@ -94,9 +94,12 @@ pub struct ScenarioSensor {
     pub sigma_bearing_deg: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_range_rate_mps: Option<f64>,
-    /// Mean of the Poisson number of false detections in a scan.
+    /// Mean number of false detections in a scan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clutter_per_scan: Option<f64>,
+    /// Variance of that number over its mean; a Poisson number when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clutter_dispersion: Option<f64>,
     /// False detections per degree and scan, of a sensor of bearings alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clutter_per_deg: Option<f64>,

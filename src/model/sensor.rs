@@ -132,6 +132,10 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub error_correlation_s: Option<f64>,
+    /// Detections of a scan that are not farther apart are of one target.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub merge_within_m: Option<f64>,
 }
 
 /// What bearings are counted from, clockwise.
@@ -190,6 +194,7 @@ impl SensorSettings {
             ("range_max_m", self.range_max_m, POSITIVE),
             ("range_filters", self.range_filters.map(f64::from), RANGES),
             ("error_correlation_s", self.error_correlation_s, POSITIVE),
+            ("merge_within_m", self.merge_within_m, POSITIVE),
         ];
         let misfits = checks
             .into_iter()
@@ -240,6 +245,7 @@ impl SensorSettings {
             range_max_m: other.range_max_m.or(self.range_max_m),
             range_filters: other.range_filters.or(self.range_filters),
             error_correlation_s: other.error_correlation_s.or(self.error_correlation_s),
+            merge_within_m: other.merge_within_m.or(self.merge_within_m),
         }
     }
 }

@@ -15,8 +15,8 @@ use crate::model::sensing::Site;
 use crate::model::space::{Place, Space};
 use crate::model::state::Position;
 use crate::model::truth::TruthPoint;
-use rand::RngExt;
-use rand_distr::{Distribution, Poisson, StandardNormal};
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, Gamma, Poisson, StandardNormal};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A sensor at work.
@@ -93,6 +93,20 @@ pub(super) fn scan(
     found
 }
 
+/// How many false detections a scan has: a Poisson number, whose mean is itself of a gamma distribution where the number is more
+/// dispersed. With shape μ/(a − 1) and scale a − 1 that has mean μ and variance a μ in all (negative binomial).
+fn clutter_count(sensor: &ScenarioSensor, draw: &mut impl Rng) -> u64 {
+    let mut mean = sensor.mean_clutter();
+    let excess = sensor.clutter_dispersion.unwrap_or(1.0) - 1.0;
+    if excess > 0.0
+        && let Ok(rate) = Gamma::new(mean / excess, excess)
+    {
+        mean = rate.sample(draw);
+    }
+    // A mean of zero is no distribution at all: then there is no clutter.
+    Poisson::new(mean).map_or(0.0, |count| count.sample(draw)) as u64
+}
+
 impl Radar<'_> {
     /// `bearings_rad`: where the targets in view really are, in rising order.
     fn add_clutter(
@@ -103,14 +117,10 @@ impl Radar<'_> {
         found: &mut Vec<Detection>,
     ) {
         let sensor = self.sensor;
-        // A mean of zero is no distribution at all: then there is no clutter.
-        let Ok(count) = Poisson::new(sensor.mean_clutter()) else {
-            return;
-        };
         let (echoes, place_m) = (Echoes::of(sensor), self.place_m(time_s));
         let mut draw = seed.stream(Purpose::Clutter, self.index as u64, scan_index);
         let mut strength = seed.stream(Purpose::Amplitude, self.all_noise(), scan_index);
-        let number = count.sample(&mut draw) as u64;
+        let number = clutter_count(sensor, &mut draw);
         for _ in 0..number {
             let range_m = sensor.max_range_m.unwrap_or(0.0) * draw.random::<f64>().sqrt();
             let bearing_rad = TAU * draw.random::<f64>();
@@ -354,4 +364,40 @@ impl Radar<'_> {
 /// No elevation is beyond straight up or down.
 fn within_quarter(elevation_rad: f64) -> f64 {
     elevation_rad.clamp(-FRAC_PI_2, FRAC_PI_2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// 40 000 scans of mean 10: mean and variance lie within four standard errors of 10 and of 10 and 200. The variance of a sample
+    /// variance is (κ₄ + 2σ⁴)/n; a negative binomial number has κ₄ = μ a (1 + 6 (a − 1) + 6 (a − 1)²), a Poisson one μ.
+    #[test]
+    fn clutter_has_the_stated_mean_and_variance() {
+        for dispersion in [None, Some(20.0)] {
+            let sensor: ScenarioSensor = serde_json::from_value(json!({
+                "sensor_id": "r", "x_m": 0.0, "y_m": 0.0, "p_d": 0.9, "clutter_per_scan": 10.0, "clutter_dispersion": dispersion
+            }))
+            .unwrap();
+            let seed = Seed { seed: 1, run: 0 };
+            let scans = 40_000;
+            let count =
+                |scan| clutter_count(&sensor, &mut seed.stream(Purpose::Clutter, 0, scan)) as f64;
+            let counts: Vec<f64> = (0..scans).map(count).collect();
+            let mean = counts.iter().sum::<f64>() / scans as f64;
+            let squares = counts.iter().map(|count| (count - mean).powi(2));
+            let variance = squares.sum::<f64>() / (scans - 1) as f64;
+            let a: f64 = dispersion.unwrap_or(1.0);
+            let expected = 10.0 * a;
+            let fourth = 10.0 * a * (1.0 + 6.0 * (a - 1.0) + 6.0 * (a - 1.0).powi(2));
+            let of_mean = (expected / scans as f64).sqrt();
+            let of_variance = ((fourth + 2.0 * expected * expected) / scans as f64).sqrt();
+            assert!((mean - 10.0).abs() < 4.0 * of_mean, "{mean}");
+            assert!(
+                (variance - expected).abs() < 4.0 * of_variance,
+                "{variance}"
+            );
+        }
+    }
 }

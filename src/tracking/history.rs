@@ -54,6 +54,16 @@ pub struct History {
     confirmed: Vec<bool>,
     /// Names of the tracks that were given at the start; theirs are the first serials.
     names: Vec<String>,
+    /// Serials of a track that ended and of the one that went on, and when.
+    merged: Vec<(u32, u32, f64)>,
+}
+
+/// A track that ended because another one followed the same target.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Merge {
+    pub track_id: String,
+    pub into_track_id: String,
+    pub time_s: f64,
 }
 
 impl Recorder for History {
@@ -91,6 +101,10 @@ impl Recorder for History {
     }
 
     fn end(&mut self, _serial: u32) {}
+
+    fn merged(&mut self, serial: u32, into: u32, time_s: f64) {
+        self.merged.push((serial, into, time_s));
+    }
 }
 
 impl History {
@@ -150,6 +164,23 @@ impl History {
         let tracks = self.into_tracks(recording);
         let smoothed = smoothed.map(|smoothed| replaced(&tracks, smoothed));
         (tracks, smoothed)
+    }
+
+    /// The tracks that ended because another one followed the same target, in order of time.
+    pub fn merges(&self) -> Vec<Merge> {
+        let merge = |&(serial, into, time_s): &(u32, u32, f64)| Merge {
+            track_id: self.name_of(serial),
+            into_track_id: self.name_of(into),
+            time_s,
+        };
+        self.merged.iter().map(merge).collect()
+    }
+
+    /// As [`History::into_tracks`] names a track that was confirmed.
+    fn name_of(&self, serial: u32) -> String {
+        let before = self.confirmed[..serial as usize].iter().filter(|is| **is);
+        let named = self.names.get(serial as usize).cloned();
+        named.unwrap_or_else(|| (before.count() + 1).to_string())
     }
 
     /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation; those that

@@ -20,7 +20,7 @@ use crate::model::watch::{Halt, Watch};
 use crate::registry::Method;
 
 pub use group_tracks::GroupTracks;
-pub use history::History;
+pub use history::{History, Merge};
 pub use outcome::{Nis, ScanOutcome};
 pub use recorder::Recorder;
 pub use single_hypothesis::confirmation::{Confirmation, ScoreRule};
@@ -28,6 +28,7 @@ pub use single_hypothesis::existence::ExistenceRule;
 pub use single_hypothesis::initiation::{Initiation, SPEED_REACH};
 pub use single_hypothesis::lifecycle::{LIFECYCLE, Lifecycle};
 pub use single_hypothesis::multi_scan::MultiScan;
+pub use single_hypothesis::twins::Merging;
 pub use single_hypothesis::undetected::{Births, Undetected};
 pub use smoothing::Smoothing;
 

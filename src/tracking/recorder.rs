@@ -20,8 +20,11 @@ pub trait Recorder {
         Ok(())
     }
 
-    /// A track has no points from this scan on.
+    /// A track has no more points.
     fn end(&mut self, serial: u32);
+
+    /// A track ends after this time, for `into` follows the same target.
+    fn merged(&mut self, _serial: u32, _into: u32, _time_s: f64) {}
 }
 
 /// A track at one scan.

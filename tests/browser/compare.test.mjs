@@ -112,6 +112,7 @@ test("paired differences turn their sign with the baseline", async () => {
       `[${shown(difference.interval.low)}, ${shown(difference.interval.high)}]`,
     ],
   );
+  assert.equal(cells[4], difference.verdict.replaceAll("_", " "));
   const csv = (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes.toString();
   assert.ok(
     csv.includes(`,gospa.gospa,m,steps,B: compared JPDA,${difference.pairs},${difference.mean},`),

@@ -45,6 +45,7 @@ PARTS = {
     '{"tracker":': lambda part: ("associate", {
         "input": DETECTIONS, "sensors": SENSORS, "associator": {"method": "jpda"}, **json.loads(part)}),
     '"from": [': "a part of a report",
+    '{"limits":': lambda part: ("evaluate", {"input": DETECTIONS, "truth": TRUTH, "sensors": SENSORS, **json.loads(part)}),
     '{"truth_id":': "a part of a report",
 }
 SENSORS = [{"sensor_id": "radar", "p_d": 0.9, "clutter_per_m2": 1e-8, "sigma_x_m": 10, "sigma_y_m": 10}]

@@ -287,7 +287,11 @@ fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
     });
     let outcome = experiment::run(&plan, inputs.collect(), &mut Silent).unwrap();
     assert_eq!(outcome.result["tfa"]["counts"]["targets"], 1);
-    assert_eq!(outcome.result["metrics"], Value::Null);
+    assert_eq!(
+        outcome.result["metrics"],
+        Value::Null,
+        "gospa alone was asked for"
+    );
     assert_eq!(
         outcome.warnings,
         ["directions (bearing_deg) are not compared in metres, so no metric was computed"]

@@ -2,8 +2,11 @@
 
 use trackloom_domain::evaluation::EvaluationInput;
 use trackloom_domain::evaluation::breaks::{Break, BreakCause, explain};
-use trackloom_domain::evaluation::comparison::{Alignment, Comparison, PointSettings};
+use trackloom_domain::evaluation::comparison::{Comparison, PointSettings};
+use trackloom_domain::evaluation::credit::Credit;
 use trackloom_domain::evaluation::events::EventLog;
+use trackloom_domain::evaluation::paths::Alignment;
+use trackloom_domain::evaluation::steps::StepSettings;
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::dataset::Dataset;
 
@@ -39,10 +42,13 @@ fn a_break_says_what_became_of_the_track_and_whether_the_target_was_seen() {
         tracks: &tracks,
     };
     let settings = PointSettings {
-        alignment: Alignment::Interpolate { max_gap_s: 1.0 },
+        alignment: Alignment::Interpolate {
+            max_gap_s: Some(1.0),
+        },
         gate_m: 10.0,
         reach_m: 10.0,
-        time_tolerance_s: None,
+        steps: StepSettings::default(),
+        credit: Credit::Afterwards,
     };
     let comparison = Comparison::of_points(&input, &truth, &settings);
     let log = EventLog::new(&comparison);
@@ -97,10 +103,13 @@ fn in_a_volume_a_detection_above_the_target_is_not_of_it() {
             tracks: &tracks,
         };
         let settings = PointSettings {
-            alignment: Alignment::Interpolate { max_gap_s: 1.0 },
+            alignment: Alignment::Interpolate {
+                max_gap_s: Some(1.0),
+            },
             gate_m: 10.0,
             reach_m: 10.0,
-            time_tolerance_s: None,
+            steps: StepSettings::default(),
+            credit: Credit::Afterwards,
         };
         let comparison = Comparison::of_points(&input, &truth, &settings);
         let log = EventLog::new(&comparison);

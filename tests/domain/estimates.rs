@@ -40,7 +40,7 @@ fn tracked(scenario: &Value, sensors: &Value) -> Outcome {
     let mut body = json!({
         "input": {"source": "dataset", "dataset_id": "detections"}, "truth": {"source": "dataset", "dataset_id": "truth"},
         "associator": {"method": "global_nearest_neighbour"},
-        "comparison": {"gate_m": 200.0}, "metrics": [{"metric": "gospa", "cutoff_m": 200.0}]
+        "comparison": {"gate_m": 200.0, "credit": "afterwards"}, "metrics": [{"metric": "gospa", "cutoff_m": 200.0}]
     });
     if sensors.is_array() {
         body["sensors"] = sensors.clone();

@@ -32,6 +32,7 @@ const LIFE: Lifecycle = Lifecycle {
     max_position_sigma_m: None,
     initial_speed_sigma_mps: 10.0,
     smoothing: None,
+    merging: None,
 };
 
 fn score(false_track_probability: f64) -> Confirmation {

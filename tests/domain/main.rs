@@ -68,6 +68,7 @@ mod tfa_by_hand;
 mod track_alignment;
 mod track_fusion;
 mod track_statistics;
+mod twins;
 mod two_sensors;
 mod undetected;
 mod vision;

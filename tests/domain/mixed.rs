@@ -318,6 +318,7 @@ fn lifecycle(values: &Values) -> Lifecycle {
         max_position_sigma_m: None,
         initial_speed_sigma_mps: values.initial_speed_sigma_mps,
         smoothing: None,
+        merging: None,
     }
 }
 

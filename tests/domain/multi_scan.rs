@@ -4,8 +4,10 @@ use crate::origins::jobs::Texts;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fmt::Write;
-use trackloom_domain::experiment::{JobKind, Outcome};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{JobKind, Outcome, plan, presets, run};
 use trackloom_domain::math::rng::{Purpose, Seed};
 
 /// Scans of one radar: the places in each, a second apart.
@@ -162,4 +164,85 @@ fn too_many_ways_are_cut_and_told() {
         .iter()
         .any(|warning| warning.contains("of the ways from detection to detection were cut"));
     assert!(told, "{:?}", outcome.warnings);
+}
+
+/// Of the targets of Liang & Liu whose first three detections one way of the window can follow, nearly all are correct; the line of
+/// `docs/beginnings.md`.
+#[test]
+fn targets_with_three_detections_in_a_window_are_correct() {
+    let (mut followed, mut correct) = (0, 0);
+    for seed in 1..=20 {
+        let mut body = presets::find("liang2009-100").unwrap().body;
+        body["seed"] = json!(seed);
+        body["tracker"]["initiation"] = json!({"method": "multi_scan"});
+        let plan = plan(JobKind::Evaluate, &body).unwrap();
+        let outcome = run(&plan, Vec::new(), &mut Silent).unwrap();
+        let (header, rows) = rows(&outcome, "detections.csv");
+        let column = |name: &str| header.iter().position(|known| known == name).unwrap();
+        let mut scans_of: BTreeMap<&str, Vec<u32>> = BTreeMap::new();
+        for row in &rows {
+            let scan = row[column("scan")].parse().unwrap();
+            scans_of
+                .entry(row[column("truth_id")].as_str())
+                .or_default()
+                .push(scan);
+        }
+        for target in outcome.result["tfa"]["targets"].as_array().unwrap() {
+            let scans = scans_of.get(target["truth_id"].as_str().unwrap());
+            if scans.is_some_and(|scans| fits_a_window(scans)) {
+                followed += 1;
+                correct += u32::from(target["verdict"] == "correct");
+            }
+        }
+    }
+    assert_eq!((followed, correct), OF_TWENTY_RUNS);
+}
+
+/// Targets whose first three detections fit a window, and how many of them are correct.
+const OF_TWENTY_RUNS: (u32, u32) = (1486, 1486);
+
+/// Whether the first three detections lie within five scans, at most two missed in a row.
+fn fits_a_window(scans: &[u32]) -> bool {
+    let [first, second, third, ..] = scans else {
+        return false;
+    };
+    third - first <= 4 && second - first <= 3 && third - second <= 3
+}
+
+/// Forty scans with 20 false detections each, and then a target: its first detection is likelier clutter than 99 to 1, and still it
+/// is found, by either beginning.
+#[test]
+fn a_target_is_found_after_clutter_alone() {
+    let draw = &mut Seed { seed: 9, run: 0 }.stream(Purpose::Clutter, 0, 0);
+    let scans: Vec<Vec<[f64; 2]>> = (0..60)
+        .map(|scan| {
+            let mut places: Vec<[f64; 2]> = (0..20)
+                .map(|_| {
+                    let [x, y]: [f64; 2] = [draw.random(), draw.random()];
+                    [1e5 * (x - 0.5), 1e5 * (y - 0.5)]
+                })
+                .collect();
+            if scan >= 40 {
+                places.push(target(scan, draw));
+            }
+            places
+        })
+        .collect();
+    for method in ["one_point", "multi_scan"] {
+        let mut texts = Texts::of("csv");
+        let body = json!({
+            "input": texts.dataset(&detections(&scans)),
+            "sensors": [{"sensor_id": "r", "p_d": 0.9, "clutter_per_m2": 2e-9, "sigma_x_m": 10, "sigma_y_m": 10}],
+            "filter": {"method": "kalman", "process_noise_m2ps3": 0.1},
+            "associator": {"method": "global_nearest_neighbour"},
+            "tracker": {"initiation": {"method": method}, "confirmation": {"rule": "existence"}, "initial_speed_sigma_mps": 20},
+        });
+        let outcome = texts.run(JobKind::Associate, &body).unwrap();
+        let tracks = outcome.result["association"]["tracks"].as_array().unwrap();
+        let spans: Vec<_> = tracks
+            .iter()
+            .map(|track| (track["start_time_s"].as_f64(), track["end_time_s"].as_f64()))
+            .collect();
+        assert_eq!(spans, [(Some(40.0), Some(59.0))], "{method}");
+    }
 }

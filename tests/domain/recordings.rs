@@ -29,10 +29,19 @@ pub(crate) fn request(associator: &str) -> Value {
         "associator": {"method": associator},
         "filter": {"method": "kalman", "process_noise_m2ps3": 0.05},
         "tracker": {"gate_probability": 0.99, "confirm_hits": 6, "confirm_window": 8, "max_missed": 5, "initial_speed_sigma_mps": 3.0},
-        "comparison": {"gate_m": 30.0},
+        "comparison": {"gate_m": 30.0, "credit": "afterwards"},
         "metrics": [{"metric": "gospa", "cutoff_m": 30.0}, {"metric": "clear"}, {"metric": "kinematics"}],
         "tfa": {"symbols": {"kind": "nearest_truth", "gate_m": 30.0, "max_gap_s": 5.0}, "max_missed": 5}
     })
+}
+
+/// JPDA with tracks that begin over several scans and exist with a probability, and the density of clutter of the document.
+fn with_existence() -> Value {
+    let mut request = request("jpda");
+    request["sensors"][0]["clutter_per_m2"] = json!(8e-4);
+    request["tracker"]["initiation"] = json!({"method": "multi_scan"});
+    request["tracker"]["confirmation"] = json!({"rule": "existence", "confirm_existence": 0.999});
+    request
 }
 
 pub(crate) fn load(folder: &Path, name: &str, kind: DatasetKind) -> Dataset {
@@ -66,8 +75,8 @@ pub(crate) fn inputs(detections: &Dataset, sensor_id: &str, truth: &Dataset) -> 
 }
 
 /// One line of the table.
-fn line(scenario: u32, associator: &str, inputs: &[Option<Input>]) -> String {
-    let plan = experiment::plan(JobKind::Evaluate, &request(associator)).unwrap();
+fn line(scenario: u32, name: &str, request: &Value, inputs: &[Option<Input>]) -> String {
+    let plan = experiment::plan(JobKind::Evaluate, request).unwrap();
     let outcome = experiment::run(&plan, inputs.to_vec(), &mut Silent).unwrap();
     let value = |pointer: &str| {
         outcome
@@ -96,7 +105,7 @@ fn line(scenario: u32, associator: &str, inputs: &[Option<Input>]) -> String {
             .count()
     };
     format!(
-        "| {scenario} | {associator} | {} | {} / {} / {} | {} | {} | {} | {} | {} ({} / {} / {}) |\n",
+        "| {scenario} | {name} | {} | {} / {} / {} | {} | {} | {} | {} | {} ({} / {} / {}) |\n",
         whole("/association/counts/tracks"),
         whole("/tfa/counts/correct"),
         whole("/tfa/counts/missed"),
@@ -170,8 +179,11 @@ fn table(folder: &Path, scenarios: &[u32]) -> String {
             .iter()
             .filter(|method| !["oracle", "strongest_neighbour"].contains(&method.name))
         {
-            text.push_str(&line(scenario, method.name, &inputs));
+            let request = request(method.name);
+            text.push_str(&line(scenario, method.name, &request, &inputs));
         }
+        let request = with_existence();
+        text.push_str(&line(scenario, "jpda, existence", &request, &inputs));
     }
     text
 }
@@ -188,7 +200,7 @@ fn camera_request(camera: &str, associator: &str) -> Value {
         "associator": {"method": associator},
         "filter": {"method": "bearing_only", "process_noise_deg2ps3": 0.05, "initial_rate_sigma_degps": 1.5},
         "tracker": {"gate_probability": 0.99, "confirm_hits": 6, "confirm_window": 8, "max_missed": 15},
-        "comparison": {"gate_deg": CAMERA_GATE_DEG},
+        "comparison": {"gate_deg": CAMERA_GATE_DEG, "credit": "afterwards"},
         "metrics": [{"metric": "track_keeping"}]
     })
 }

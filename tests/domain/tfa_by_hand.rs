@@ -668,7 +668,7 @@ fn inputs_that_the_symbols_need_are_asked_for() {
             &nothing,
             SymbolRule::NearestTruth {
                 gate_m: 1.0,
-                max_gap_s: 1.0
+                max_gap_s: Some(1.0)
             }
         ),
         pair("/truth", "missing")

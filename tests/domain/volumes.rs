@@ -254,7 +254,7 @@ fn the_nearest_target_and_the_nearest_detection_are_those_of_the_same_height() {
     let rules = [
         SymbolRule::NearestTruth {
             gate_m: 5.0,
-            max_gap_s: 5.0,
+            max_gap_s: Some(5.0),
         },
         SymbolRule::NearestDetection { gate_m: 5.0 },
     ];

@@ -4,8 +4,8 @@ use crate::process::trackloom;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::net::TcpListener;
-use std::path::Path;
-use std::process::{Output, Stdio};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
 
 fn run(arguments: &[&str]) -> Output {
     trackloom().args(arguments).output().unwrap()
@@ -193,4 +193,107 @@ fn a_port_that_is_taken_is_told_before_the_tour() {
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("--listen"), "{}", stderr(&output));
     assert_eq!(stdout(&output), "");
+}
+
+/// The example for build servers on a job; its exit code, and where its verdicts are.
+fn check(job: &Path, folder: &Path, name: &str) -> (Option<i32>, PathBuf) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let out = folder.join(name);
+    let status = Command::new(root.join("examples/ci/check.sh"))
+        .arg(job)
+        .arg(folder.join("baseline"))
+        .arg(&out)
+        .env("TRACKLOOM", env!("CARGO_BIN_EXE_trackloom"))
+        .output()
+        .unwrap()
+        .status;
+    (status.code(), out)
+}
+
+/// Tests and failures of a JUnit file, as a parser of XML finds them.
+fn junit(path: &Path) -> (usize, usize) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut reader = quick_xml::Reader::from_str(&text);
+    let (mut tests, mut failures, mut depth) = (0, 0, 0);
+    loop {
+        match reader.read_event().unwrap() {
+            quick_xml::events::Event::Start(tag) => {
+                depth += 1;
+                tests += usize::from(tag.name().as_ref() == b"testcase");
+            }
+            quick_xml::events::Event::Empty(tag) => {
+                failures += usize::from(tag.name().as_ref() == b"failure");
+            }
+            quick_xml::events::Event::End(_) => depth -= 1,
+            quick_xml::events::Event::Eof => break,
+            _ => {}
+        }
+    }
+    assert_eq!(depth, 0, "{text}");
+    (tests, failures)
+}
+
+#[test]
+fn a_build_fails_on_a_tracker_that_was_made_worse_and_passes_on_the_same_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/ci/job.json");
+    // The first result becomes the baseline, the second is the same.
+    for name in ["first", "same"] {
+        let (code, out) = check(&job, folder.path(), name);
+        assert_eq!(code, Some(0), "{name}");
+        assert_eq!(junit(&out.join("limits.xml")), (3, 0));
+        let (compared, worse) = junit(&out.join("compare.xml"));
+        assert!(compared > 10 && worse == 0, "{worse} of {compared}");
+    }
+    let mut worse: Value = serde_json::from_slice(&std::fs::read(&job).unwrap()).unwrap();
+    worse["associator"] = json!({"method": "nearest_neighbour"});
+    worse["tracker"] = json!({"confirm_hits": 5, "confirm_window": 5, "max_missed": 1});
+    let path = folder.path().join("worse.json");
+    std::fs::write(&path, worse.to_string()).unwrap();
+    let (code, out) = check(&path, folder.path(), "worse");
+    assert_eq!(code, Some(1));
+    assert_eq!(junit(&out.join("limits.xml")), (3, 2));
+    let (_, failed) = junit(&out.join("compare.xml"));
+    assert!(failed >= 5, "{failed}");
+    let table = std::fs::read_to_string(out.join("limits.md")).unwrap();
+    assert!(
+        table.starts_with("### trackloom evaluate: 1 of 3 met"),
+        "{table}"
+    );
+    assert!(
+        table.contains("| **not met** | clear.recall | 0.53"),
+        "{table}"
+    );
+}
+
+#[test]
+fn limits_that_nothing_can_meet_are_refused_and_results_that_are_none_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |limit: Value| {
+        let path = folder.path().join("job.json");
+        let scenario = json!({"source": "preset", "preset": "liang2009-10"});
+        let job = json!({"kind": "evaluate", "input": scenario, "limits": [limit]});
+        std::fs::write(&path, job.to_string()).unwrap();
+        let output = run(&["run", path.to_str().unwrap()]);
+        (output.status.code(), stderr(&output))
+    };
+    let (code, said) = refused(json!({"quantity": "clear.mota"}));
+    assert_eq!(code, Some(2));
+    assert!(
+        said.contains("/limits/0: a limit needs 'at_most' or 'at_least'"),
+        "{said}"
+    );
+    let (code, said) =
+        refused(json!({"quantity": "clear.mota", "at_least": 0, "with": "interval"}));
+    assert!(
+        code == Some(2) && said.contains("/limits/0/with: one run has no interval"),
+        "{said}"
+    );
+    // A name that no result has is a limit that is not met.
+    let (code, said) = refused(json!({"quantity": "clear.moto", "at_least": 0}));
+    assert_eq!(code, Some(1));
+    assert!(said.contains("there is no such number"), "{said}");
+    let none = run(&["compare", folder.path().to_str().unwrap(), "."]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(stderr(&none).contains("report.json"), "{}", stderr(&none));
 }

@@ -87,8 +87,16 @@ fn a_break_ends_with_a_reacquisition_by_whichever_track() {
 #[test]
 fn absence_of_a_truth_is_no_break() {
     assert_eq!(
-        told(&[("A", &[0.0, GONE, 0.0])], &[("T", &[1.0, 1.0, 1.0])]),
-        ["0 match A T 1", "1 false_alarm - T -", "2 match A T 1"]
+        told(
+            &[("A", &[0.0, 0.0, GONE, 0.0])],
+            &[("T", &[1.0, 1.0, 1.0, 1.0])]
+        ),
+        [
+            "0 match A T 1",
+            "1 match A T 1",
+            "2 false_alarm - T -",
+            "3 match A T 1"
+        ]
     );
 }
 

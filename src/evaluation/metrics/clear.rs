@@ -16,8 +16,8 @@
 //! 4. `frag` counts the interruptions of a truth's being matched, over the steps at which it exists. `frag_trackeval` is
 //!    TrackEval's count: over the steps that have both truths and tracks, whether or not this truth exists.
 
-use super::origin::{EVENTS, Origin, STEPS, Source, Statistic, TRUTHS};
-use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
+use super::origin::{DUE_STEPS, EVENTS, Origin, Source, Statistic, TRUTHS};
+use super::{BuildMetric, Line, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence};
 use crate::evaluation::events::EventKind;
 use crate::model::space::Space;
 use crate::registry::{Kind, Method, Object, default};
@@ -68,7 +68,7 @@ struct TruthLife {
 /// The counts of one sequence, or of several together.
 #[derive(Debug, Clone, Default)]
 struct Counts {
-    steps: u64,
+    due_steps: u64,
     kinds: [u64; EventKind::ALL.len()],
     similarity: f64,
     distance: f64,
@@ -78,8 +78,8 @@ struct Counts {
 }
 
 impl Metric for Clear {
-    fn accepts(&self, space: Option<Space>) -> bool {
-        space != Some(Space::Bearing)
+    fn accepts(&self, _: Option<Space>) -> bool {
+        true
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
@@ -98,10 +98,10 @@ impl Metric for Clear {
             }
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
-        let unit = if first.is_some_and(|comparison| comparison.is_in_metres()) {
-            "m"
-        } else {
-            ""
+        let unit = match first.and_then(|comparison| comparison.space) {
+            None => "",
+            Some(Space::Bearing) => "deg",
+            Some(Space::Plane | Space::Volume) => "m",
         };
         let parameters = json!({
             "gate": first.map(|comparison| comparison.gate),
@@ -157,8 +157,8 @@ const FROM: &[Origin] = &[
     Origin::ratio("recall", &["tp"], &["tp", "fn"]),
     Origin::ratio("precision", &["tp"], &["tp", "fp"]),
     Origin::ratio("f1", &["tp", "tp"], &["tp", "tp", "fn", "fp"]),
-    STEPS,
-    Origin::ratio("fp_per_step", &["fp"], &["steps"]),
+    DUE_STEPS,
+    Origin::ratio("fp_per_step", &["fp"], &["due_steps"]),
     Origin::sum("frag_trackeval", TRUTHS),
     Origin::sum("mt", TRUTHS),
     Origin::sum("pt", TRUTHS),
@@ -193,7 +193,7 @@ impl Counts {
         } = sequence;
         let mut lives = vec![TruthLife::default(); comparison.truth_ids.len()];
         let mut round = 0;
-        self.steps += comparison.steps.len() as u64;
+        self.due_steps += comparison.due_steps() as u64;
         for (step, range) in comparison.steps.iter().zip(&events.steps) {
             round += u32::from(!step.truths.is_empty() && !step.tracks.is_empty());
             for event in &events.events[range.clone()] {
@@ -275,7 +275,7 @@ impl Counts {
             Quantity::count("fp_false_alarm", parts[0]),
             Quantity::count("fp_redundant", parts[1]),
             Quantity::count("fp_divergence", parts[2]),
-            Quantity::ratio("fp_per_step", fp, self.steps as f64, "", "no step"),
+            Quantity::ratio("fp_per_step", fp, self.due_steps as f64, "", NOTHING_DUE),
             Quantity::count("idsw", switches),
             Quantity::count("frag", self.count(EventKind::Reacquisition)),
             Quantity::count("frag_trackeval", self.frag_trackeval as f64),

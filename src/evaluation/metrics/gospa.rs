@@ -13,13 +13,14 @@
 //!    one false track.
 //! 2. With a switch penalty s, sᵖ is added for every truth whose track is another than at the step before, and half of it
 //!    for one that lost its track or found one again; a truth's first track is no switch.
-//! 3. The headline is the mean over all steps of all sequences. The parts are p-th powers, summed over steps.
+//! 3. The headline is the sum over all steps of all sequences, divided by the steps at which a target is due: so a false track costs
+//!    as much where no target is. The parts are p-th powers, summed over steps.
 
 use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
 use super::origin::{
-    Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
+    DUE_STEPS, Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
-use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
+use super::{BuildMetric, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{ComparedStep, Comparison};
 use crate::model::space::Space;
 use crate::registry::{Method, Object, default, number};
@@ -91,8 +92,12 @@ impl Metric for Gospa {
             .iter()
             .flat_map(|sequence| self.steps(sequence.comparison, &mut powers))
             .collect();
-        let mut report =
-            MetricReport::new("gospa", false, self.parameters(), self.quantities(&steps));
+        let due = sequences
+            .iter()
+            .map(|sequence| sequence.comparison.due_steps())
+            .sum();
+        let quantities = self.quantities(&steps, due);
+        let mut report = MetricReport::new("gospa", false, self.parameters(), quantities);
         report.origins = self.origins();
         if sequences.len() == 1 {
             report.series = self.series(&steps);
@@ -151,9 +156,8 @@ impl Gospa {
         parts
     }
 
-    fn quantities(&self, steps: &[Parts]) -> Vec<Quantity> {
-        const NO_STEP: &str = "there is no step";
-        let count = steps.len() as f64;
+    fn quantities(&self, steps: &[Parts], due: usize) -> Vec<Quantity> {
+        let count = due as f64;
         let sum = |of: fn(&Parts) -> f64| steps.iter().map(of).sum::<f64>();
         let parts = PARTS.map(|(_, of)| self.cutoff.powers(of(self, &Parts::sum(steps))));
         let mut quantities = vec![Quantity::ratio(
@@ -161,7 +165,7 @@ impl Gospa {
             sum(|step| step.distance_m),
             count,
             "m",
-            NO_STEP,
+            NOTHING_DUE,
         )];
         let totals = [
             "localisation_sum",
@@ -185,14 +189,15 @@ impl Gospa {
             means
                 .iter()
                 .zip(parts)
-                .map(|(name, part)| Quantity::ratio(name, part, count, "m^p", NO_STEP)),
+                .map(|(name, part)| Quantity::ratio(name, part, count, "m^p", NOTHING_DUE)),
         );
         quantities.extend([
             Quantity::new("matched", sum(|step| step.matched as f64), ""),
             Quantity::new("missed", sum(|step| step.missed as f64), ""),
             Quantity::new("false", sum(|step| step.unwanted as f64), ""),
             Quantity::new("switches", sum(|step| step.switches), ""),
-            Quantity::new("steps", count, ""),
+            Quantity::count("steps", steps.len() as f64),
+            Quantity::count("due_steps", count),
         ]);
         quantities
     }
@@ -211,7 +216,10 @@ impl Gospa {
             "false_sum",
             "switching_sum",
         ];
-        let mut origins = vec![Origin::rows("gospa", Statistic::Mean, SERIES, "gospa")];
+        let mut origins = vec![
+            Origin::rows("gospa_sum", sum, SERIES, "gospa"),
+            Origin::ratio("gospa", &["gospa_sum"], &["due_steps"]),
+        ];
         origins.extend(
             totals
                 .into_iter()
@@ -219,15 +227,16 @@ impl Gospa {
                 .map(|(total, part)| Origin::rows(total, sum, SERIES, part)),
         );
         origins.extend([
-            Origin::ratio("localisation_mean", &["localisation_sum"], &["steps"]),
-            Origin::ratio("missed_mean", &["missed_sum"], &["steps"]),
-            Origin::ratio("false_mean", &["false_sum"], &["steps"]),
-            Origin::ratio("switching_mean", &["switching_sum"], &["steps"]),
+            Origin::ratio("localisation_mean", &["localisation_sum"], &["due_steps"]),
+            Origin::ratio("missed_mean", &["missed_sum"], &["due_steps"]),
+            Origin::ratio("false_mean", &["false_sum"], &["due_steps"]),
+            Origin::ratio("switching_mean", &["switching_sum"], &["due_steps"]),
             Origin::rows("matched", Statistic::Count, PAIRS, "power"),
             Origin::terms("missed", &["truth_points", "-matched"]),
             Origin::terms("false", &["track_points", "-matched"]),
             Origin::sum("switches", SERIES),
             STEPS,
+            DUE_STEPS,
             TRUTH_POINTS,
             TRACK_POINTS,
             Origin::rows("series.localisation", sum, PAIRS, "power"),

@@ -77,8 +77,8 @@ struct Sums {
 }
 
 impl Metric for Hota {
-    fn accepts(&self, space: Option<Space>) -> bool {
-        space != Some(Space::Bearing)
+    fn accepts(&self, _: Option<Space>) -> bool {
+        true
     }
 
     /// Where similarity becomes 0.
@@ -92,13 +92,13 @@ impl Metric for Hota {
             reached = sums.add(sequence.comparison);
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
-        let similarity = match first.map(Comparison::is_in_metres) {
-            Some(true) => "1 - distance / (2 gate)",
-            _ => "intersection over union",
+        let of_points = first.filter(|comparison| comparison.space.is_some());
+        let similarity = if of_points.is_some() {
+            "1 - distance / (2 gate)"
+        } else {
+            "intersection over union"
         };
-        let gate = first
-            .filter(|comparison| comparison.is_in_metres())
-            .map(|comparison| comparison.gate);
+        let gate = of_points.map(|comparison| comparison.gate);
         let alphas: Vec<f64> = (0..ALPHAS).map(alpha).collect();
         let parameters = json!({"alphas": alphas, "similarity": similarity, "gate": gate});
         let curves = sums.curves();

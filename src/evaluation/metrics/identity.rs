@@ -36,8 +36,8 @@ static PARAMETERS: Object = Object {
 pub struct Identity;
 
 impl Metric for Identity {
-    fn accepts(&self, space: Option<Space>) -> bool {
-        space != Some(Space::Bearing)
+    fn accepts(&self, _: Option<Space>) -> bool {
+        true
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

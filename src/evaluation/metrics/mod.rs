@@ -6,6 +6,7 @@
 pub mod assignment;
 pub mod clear;
 mod cutoff;
+pub mod direction;
 mod gospa;
 pub mod hota;
 pub mod identity;
@@ -201,6 +202,9 @@ impl MetricReport {
             .and_then(|quantity| quantity.value)
     }
 }
+
+/// Why a mean over steps is not defined.
+const NOTHING_DUE: &str = "no target is due at any step";
 
 pub trait Metric: Send {
     /// Whether it is defined in this space, or, where there is none, for boxes.

@@ -47,6 +47,8 @@ pub enum Source {
 pub enum Statistic {
     /// Of rows: how many.
     Count,
+    /// Of rows: of how many steps they are.
+    CountSteps,
     /// Of rows: in how many the column is above 0.
     CountPositive,
     Sum,
@@ -84,6 +86,11 @@ pub const TRACK_POINTS: Origin = Origin::events(
     &["match", "false_alarm", "redundant", "divergence"],
 );
 pub const STEPS: Origin = Origin::all_rows("steps", SERIES);
+/// The steps at which a target is due: means are over these.
+pub const DUE_STEPS: Origin = Origin {
+    statistic: Statistic::CountSteps,
+    ..Origin::events("due_steps", &["match", "miss"])
+};
 
 impl Origin {
     /// How often these events occurred.

@@ -11,13 +11,13 @@
 //! # Method
 //! 1. OSPAᵖ = (min Σ min(d, c)ᵖ + cᵖ (n − m)) / n over all assignments of the smaller set into the larger; 0 when both are
 //!    empty. The sum is the localisation part, the rest the cardinality part.
-//! 2. The headline is the mean over all steps of all sequences.
+//! 2. The headline is the sum over all steps of all sequences, divided by the steps at which a target is due.
 
 use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
 use super::origin::{
-    Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
+    DUE_STEPS, Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
-use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
+use super::{BuildMetric, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{ComparedStep, Comparison};
 use crate::model::space::Space;
 use crate::registry::{Method, Object};
@@ -45,8 +45,6 @@ struct Parts {
     localisation_m: f64,
     cardinality_m: f64,
 }
-
-const NO_STEP: &str = "there is no step";
 
 type Part = (&'static str, fn(&Parts) -> f64);
 
@@ -80,13 +78,18 @@ impl Metric for Ospa {
             .collect();
         let mut quantities = Vec::new();
         let mut series = Vec::new();
+        let due: usize = sequences
+            .iter()
+            .map(|sequence| sequence.comparison.due_steps())
+            .sum();
         for (name, of) in PARTS {
             let values = || parts.iter().map(of);
-            let count = parts.len() as f64;
-            quantities.push(Quantity::ratio(name, values().sum(), count, "m", NO_STEP));
+            let sum = values().sum();
+            quantities.push(Quantity::ratio(name, sum, due as f64, "m", NOTHING_DUE));
             series.push(Series::over_time(name, "m", values().map(Some)));
         }
-        quantities.push(Quantity::new("steps", parts.len() as f64, ""));
+        quantities.push(Quantity::count("steps", parts.len() as f64));
+        quantities.push(Quantity::count("due_steps", due as f64));
         let parameters = json!({"cutoff_m": self.0.cutoff_m, "p": self.0.p});
         let mut report = MetricReport::new("ospa", false, parameters, quantities);
         report.origins = self.origins();
@@ -100,12 +103,18 @@ impl Metric for Ospa {
 
 impl Ospa {
     fn origins(&self) -> Vec<Origin> {
-        let mean = |name| Origin::rows(name, Statistic::Mean, SERIES, name);
+        let sum = |name, column| Origin::rows(name, Statistic::Sum, SERIES, column);
         vec![
-            mean("ospa"),
-            mean("localisation"),
-            mean("cardinality"),
+            sum("ospa_sum", "ospa"),
+            sum("localisation_sum", "localisation"),
+            sum("cardinality_sum", "cardinality"),
+            Origin::ratio("ospa", &["ospa_sum"], &["due_steps"]),
+            Origin::ratio("localisation", &["localisation_sum"], &["due_steps"]),
+            Origin::ratio("cardinality", &["cardinality_sum"], &["due_steps"]),
+            sum("series.localisation", "localisation"),
+            sum("series.cardinality", "cardinality"),
             STEPS,
+            DUE_STEPS,
             TRUTH_POINTS,
             TRACK_POINTS,
             Origin::rows("powers", Statistic::Sum, PAIRS, "power"),

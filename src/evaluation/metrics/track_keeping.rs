@@ -225,7 +225,8 @@ impl TrackKeeping {
                     continue;
                 };
                 let track = &comparison.tracks[track_place];
-                let error = comparison.distance(&track.position_m, &truth.position_m);
+                let beside = comparison.truth_beside(truth_place, track_place);
+                let error = comparison.distance(&track.position_m, &beside.position_m);
                 run.pairs
                     .push((truth_place as u32, track_place as u32, error));
                 kept.error_sum += error;

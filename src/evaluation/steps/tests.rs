@@ -1,15 +1,17 @@
 //! Steps of truth and tracks with clocks that agree, jitter or differ.
 
 use super::*;
-use crate::evaluation::comparison::{Alignment, Comparison, PointSettings};
+use crate::evaluation::comparison::{Comparison, PointSettings};
+use crate::evaluation::credit::Credit;
 use crate::evaluation::events::{EventKind, EventLog};
+use crate::evaluation::paths::Alignment;
 use crate::evaluation::tests::{tracks_of, truth_of};
 use crate::evaluation::{
     EvaluationInput, SymbolRule, TfaReport, TfaSettings, evaluate_temporal_automaton,
 };
 use crate::model::space::Space;
 use crate::model::state::Position;
-use crate::model::truth::{Target, TruthPoint};
+use crate::model::truth::{Target, TruthPoint, TruthSet};
 
 /// 20 m/s along x, at each of these times.
 fn truth_at(times_s: &[f64]) -> TruthSet {
@@ -37,31 +39,50 @@ fn track_at(times_s: &[f64]) -> TrackSet {
     set
 }
 
-fn compared(
+fn compared(truth: &TruthSet, tracks: &TrackSet, steps: StepSettings) -> (Comparison, EventLog) {
+    compared_with(None, truth, tracks, steps)
+}
+
+fn compared_with(
+    recording: Option<&Recording>,
     truth: &TruthSet,
     tracks: &TrackSet,
-    time_tolerance_s: Option<f64>,
+    steps: StepSettings,
 ) -> (Comparison, EventLog) {
     let input = EvaluationInput {
-        recording: None,
+        recording,
         truth: Some(truth),
         tracks,
     };
-    let alignment = Alignment::Interpolate { max_gap_s: 5.0 };
     let settings = PointSettings {
-        alignment,
+        alignment: Alignment::Interpolate { max_gap_s: None },
         gate_m: 10.0,
         reach_m: 10.0,
-        time_tolerance_s,
+        steps,
+        credit: Credit::Afterwards,
     };
     let comparison = Comparison::of_points(&input, truth, &settings);
     let log = EventLog::new(&comparison);
     (comparison, log)
 }
 
+const AUTO: StepSettings = StepSettings {
+    rule: StepRule::Auto,
+    every_s: None,
+    time_tolerance_s: None,
+};
+
+fn by(rule: StepRule) -> StepSettings {
+    StepSettings { rule, ..AUTO }
+}
+
 /// Matches, misses, unmatched track points, breaks.
-fn counts(truth: &[f64], track: &[f64], tolerance_s: Option<f64>) -> [usize; 4] {
-    let (_, log) = compared(&truth_at(truth), &track_at(track), tolerance_s);
+fn counts(truth: &[f64], track: &[f64], steps: StepSettings) -> [usize; 4] {
+    let (_, log) = compared(&truth_at(truth), &track_at(track), steps);
+    counts_of(&log)
+}
+
+fn counts_of(log: &EventLog) -> [usize; 4] {
     let unmatched = [
         EventKind::FalseAlarm,
         EventKind::Redundant,
@@ -85,7 +106,7 @@ fn every(period_s: f64, count: u32) -> Vec<f64> {
 fn judged(truth: &TruthSet, tracks: &TrackSet) -> TfaReport {
     let symbols = SymbolRule::NearestTruth {
         gate_m: 10.0,
-        max_gap_s: 5.0,
+        max_gap_s: None,
     };
     let input = EvaluationInput {
         recording: None,
@@ -112,110 +133,180 @@ fn noise_of_rounding_and_a_millisecond_change_nothing() {
         .collect();
     let late: Vec<f64> = truth.iter().map(|time_s| time_s + 1e-3).collect();
     let early: Vec<f64> = truth.iter().map(|time_s| time_s - 1e-3).collect();
-    let partly: Vec<f64> = truth
-        .iter()
-        .enumerate()
-        .map(|(index, time_s)| {
-            if index % 3 == 0 {
-                *time_s
-            } else {
-                time_s + 1e-3
-            }
-        })
-        .collect();
-    for track in [&noisy, &late, &early, &partly] {
-        assert_eq!(counts(&truth, track, None), [20, 0, 0, 0], "{track:?}");
-        assert_eq!(
-            judged(&truth_at(&truth), &track_at(track)).counts.correct,
-            1,
-            "{track:?}"
-        );
+    for track in [&noisy, &late, &early] {
+        let (truth, track) = (truth_at(&truth), track_at(track));
+        let (comparison, log) = compared(&truth, &track, AUTO);
+        assert_eq!(counts_of(&log), [20, 0, 0, 0]);
+        assert_eq!(judged(&truth, &track).counts.correct, 1);
+        assert_eq!(comparison.warnings, Vec::<String>::new());
+        // Truth at the time of the track: the distance is of rounding, not 20 m/s times 1 ms; beyond its ends by its velocity.
+        assert!(comparison.pairs.iter().all(|pair| pair.distance < 1e-9));
     }
-    let (comparison, _) = compared(&truth_at(&truth), &track_at(&partly), None);
-    let told = "times of truth and tracks that differ by up to 0.01 s are one step: so at 13 of 20 steps, by 1.000e-3 s at most";
-    assert_eq!(comparison.warnings, [told]);
-    // The truth is aligned to the track: the distance is of rounding, not 20 m/s times 1 ms.
-    assert!(
-        comparison.pairs[..19]
+}
+
+#[test]
+fn a_tolerance_joins_times_of_truth() {
+    let mut truth = truth_at(&every(1.0, 10));
+    let mut other = truth_at(
+        &every(1.0, 10)
             .iter()
-            .all(|pair| pair.distance < 1e-9)
+            .map(|time_s| time_s + 0.004)
+            .collect::<Vec<_>>(),
     );
-}
-
-#[test]
-fn a_tolerance_may_be_stated() {
-    let truth = every(1.0, 10);
-    let track: Vec<f64> = truth.iter().map(|time_s| time_s + 0.1).collect();
-    let (first, _) = compared(&truth_at(&truth), &track_at(&track), None);
-    assert!(
-        first.warnings[0].starts_with("tracks and truth share 0 of 10 times"),
-        "{:?}",
-        first.warnings
-    );
-    // Its last point lies behind the truth's last, so that it follows nobody there.
-    assert_eq!(counts(&truth, &track, None), [9, 0, 1, 0]);
-    assert_eq!(counts(&truth, &track, Some(0.2)), [10, 0, 0, 0]);
-    let (second, _) = compared(&truth_at(&truth), &track_at(&track), Some(1.5));
-    assert!(
-        second.warnings[0].starts_with("a tolerance of 1.5 s makes one step of points"),
-        "{:?}",
-        second.warnings
-    );
-}
-
-#[test]
-fn the_tolerance_never_joins_two_points_of_one_path() {
-    let steps = |period_s: f64| {
-        Steps::new(
-            None,
-            Some(&truth_at(&every(period_s, 9))),
-            &track_at(&every(period_s, 9)),
-            None,
-        )
+    let mut targets = truth.targets().to_vec();
+    targets.push(Target {
+        truth_id: "B".to_owned(),
+        points: std::mem::take(&mut other).targets()[0].points.clone(),
+    });
+    truth = TruthSet::new(Space::Plane, targets).unwrap();
+    let none = TrackSet::default();
+    let steps = |time_tolerance_s| {
+        let settings = StepSettings {
+            time_tolerance_s,
+            ..AUTO
+        };
+        let (comparison, log) = compared(&truth, &none, settings);
+        (comparison.steps.len(), log.count(EventKind::Miss))
     };
-    assert_eq!(
-        [steps(8.0), steps(0.04), steps(1e-3)].map(|steps| steps.count()),
-        [9, 9, 9]
+    assert_eq!(steps(None), (10, 20));
+    // Each is interpolated at the other's times, but nobody is beyond the ends of his path.
+    assert_eq!(steps(Some(0.001)), (20, 38));
+    let (comparison, _) = compared(
+        &truth,
+        &none,
+        StepSettings {
+            time_tolerance_s: Some(1.5),
+            ..AUTO
+        },
     );
-    assert!((steps(0.04).tolerance_s - 0.002).abs() < 1e-12);
-    assert_eq!(
-        (steps(8.0).tolerance_s, steps(8.0).warnings),
-        (0.01, Vec::new())
-    );
-}
-
-#[test]
-fn tracks_of_another_rate_miss_nothing_and_their_silence_counts_at_their_own_rate() {
-    let fast = every(0.1, 201);
-    let (whole, mut silent) = (every(1.0, 21), every(1.0, 21));
-    assert_eq!(counts(&fast, &whole, None), [21, 0, 0, 0]);
-    // A rate that shares few times with the truth.
-    assert_eq!(counts(&fast, &every(0.73, 28), None), [28, 0, 0, 0]);
-    assert_eq!(
-        counts(&fast, &every(0.73, 27), None),
-        [27, 1, 0, 1],
-        "it ends 1.02 s early"
-    );
-    silent.retain(|time_s| !(6.0..=9.0).contains(time_s));
-    assert_eq!(counts(&fast, &silent, None), [17, 4, 0, 1]);
-    let late: Vec<f64> = every(1.0, 21).split_off(3);
-    assert_eq!(counts(&fast, &late, None), [18, 3, 0, 0]);
-}
-
-#[test]
-fn sensors_that_take_turns_are_no_silence() {
-    let mut track: Vec<f64> = (0..20)
-        .flat_map(|turn| [0.0, 0.37].map(|shift| 0.05 + f64::from(turn) + shift))
-        .collect();
-    assert_eq!(counts(&every(0.1, 201), &track, None), [40, 0, 0, 0]);
-    assert_eq!(counts(&every(1.0, 21), &track, None), [40, 0, 0, 0]);
-    track.retain(|time_s| !(8.0..11.0).contains(time_s));
-    let [matched, missed, unmatched, breaks] = counts(&every(0.1, 201), &track, None);
-    assert_eq!((matched, unmatched, breaks), (34, 0, 1));
     assert!(
-        (3..=5).contains(&missed),
-        "3 s of silence at a usual gap of 0.63 s: {missed}"
+        comparison.warnings[0].starts_with("a tolerance of 1.5 s makes one step of points"),
+        "{:?}",
+        comparison.warnings
     );
+}
+
+#[test]
+fn one_report_in_k_is_a_kth_of_the_truth() {
+    for k in 1..=5_usize {
+        let truth = every(1.0, 60);
+        let track: Vec<f64> = truth.iter().copied().step_by(k).collect();
+        let matched = 60_usize.div_ceil(k);
+        let found = counts(&truth, &track, AUTO);
+        assert_eq!(found[..3], [matched, 60 - matched, 0], "{k}");
+    }
+}
+
+#[test]
+fn tracks_at_times_of_their_own_are_compared_there() {
+    // Truth each 10 s, a perfect track each 4 s: 13 steps, of which each has a point within 2 s.
+    let (truth, track) = (every(10.0, 13), every(4.0, 31));
+    let (comparison, log) = compared(&truth_at(&truth), &track_at(&track), AUTO);
+    assert_eq!(counts_of(&log), [13, 0, 0, 0]);
+    assert_eq!(comparison.facts.between_steps, 18);
+    assert_eq!(comparison.facts.period_s, Some(10.0));
+    assert!(comparison.pairs.iter().all(|pair| pair.distance < 1e-9));
+    assert_eq!(counts(&truth, &track, by(StepRule::Tracks)), [31, 0, 0, 0]);
+    assert_eq!(
+        judged(&truth_at(&truth), &track_at(&track)).counts.correct,
+        1
+    );
+    // At the time of the step the same point would be 40 m away, or 20 m.
+    let at = comparison.truth_beside(1, 1);
+    assert_eq!(
+        (comparison.truths[1].position_m.x, at.position_m.x),
+        (200.0, 240.0)
+    );
+}
+
+#[test]
+fn silence_is_missed_and_what_nobody_is_near_is_false() {
+    let truth = every(1.0, 21);
+    let lacks: Vec<f64> = truth
+        .iter()
+        .copied()
+        .filter(|time_s| !(6.0..=9.0).contains(time_s))
+        .collect();
+    assert_eq!(counts(&truth, &lacks, AUTO), [17, 4, 0, 1]);
+    assert_eq!(counts(&truth, &lacks, by(StepRule::Tracks)), [17, 0, 0, 0]);
+    assert_eq!(counts(&truth, &lacks, by(StepRule::Union)), [17, 4, 0, 1]);
+    // Beyond the last window, which reaches to 20.5 s, two points make steps at which nothing is due.
+    let long: Vec<f64> = every(1.0, 23);
+    let (comparison, log) = compared(&truth_at(&truth), &track_at(&long), AUTO);
+    assert_eq!(counts_of(&log), [21, 0, 2, 0]);
+    let extra: Vec<f64> = comparison
+        .steps
+        .iter()
+        .filter(|step| step.is_extra)
+        .map(|step| step.time_s)
+        .collect();
+    assert_eq!((extra, comparison.due_steps()), (vec![21.0, 22.0], 21));
+    assert_eq!(
+        judged(&truth_at(&truth), &track_at(&long)).counts.correct,
+        1
+    );
+}
+
+#[test]
+fn a_frame_without_truth_costs_its_false_point_and_flatters_nobody() {
+    // Eleven points of truth, none at 5 s; a patchy track, and a point far away at 5 s.
+    let times: Vec<f64> = every(1.0, 12)
+        .into_iter()
+        .filter(|time_s| *time_s != 5.0)
+        .collect();
+    let truth = truth_at(&times);
+    let mut tracks = track_at(&[0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+    let (_, log) = compared(&truth, &tracks, AUTO);
+    assert_eq!(counts_of(&log)[..3], [6, 5, 0]);
+    let mut far = track_at(&[5.0]).tracks.remove(0);
+    far.track_id = "far".to_owned();
+    far.points[0].estimate.position.y = 500.0;
+    tracks.tracks.push(far);
+    let (_, log) = compared(&truth, &tracks, AUTO);
+    assert_eq!(counts_of(&log)[..3], [6, 5, 1]);
+}
+
+#[test]
+fn a_point_near_a_target_in_a_hole_of_the_truth_is_not_false() {
+    // Truth misses 5 s, which its path bridges; a track there is right, but nobody knows whether it was due.
+    let times: Vec<f64> = every(1.0, 12)
+        .into_iter()
+        .filter(|time_s| *time_s != 5.0)
+        .collect();
+    let (comparison, log) = compared(&truth_at(&times), &track_at(&every(1.0, 12)), AUTO);
+    assert_eq!(counts_of(&log), [11, 0, 0, 0]);
+    assert_eq!(comparison.facts.between_steps, 1);
+}
+
+#[test]
+fn targets_with_clocks_of_their_own_are_compared_on_a_grid() {
+    // Three targets each 6 s, two seconds apart: steps each 6 s from the first time on.
+    let mut targets = Vec::new();
+    for (index, name) in ["A", "B", "C"].into_iter().enumerate() {
+        let times: Vec<f64> = every(6.0, 10)
+            .iter()
+            .map(|time_s| time_s + 2.0 * index as f64)
+            .collect();
+        let mut target = truth_at(&times).targets()[0].clone();
+        target.truth_id = name.to_owned();
+        targets.push(target);
+    }
+    let truth = TruthSet::new(Space::Plane, targets).unwrap();
+    let (comparison, log) = compared(&truth, &TrackSet::default(), AUTO);
+    let times: Vec<f64> = comparison.steps.iter().map(|step| step.time_s).collect();
+    assert_eq!(times, every(6.0, 10));
+    // B and C exist from 2 and 4 s on, so not at 0 s.
+    assert_eq!(log.count(EventKind::Miss), 28);
+    let (comparison, _) = compared(&truth, &TrackSet::default(), by(StepRule::Truth));
+    assert_eq!(comparison.steps.len(), 30);
+    let every_s = StepSettings {
+        rule: StepRule::EveryS,
+        every_s: Some(20.0),
+        ..AUTO
+    };
+    let (comparison, _) = compared(&truth, &TrackSet::default(), every_s);
+    let times: Vec<f64> = comparison.steps.iter().map(|step| step.time_s).collect();
+    assert_eq!(times, [0.0, 20.0, 40.0]);
 }
 
 #[test]
@@ -242,12 +333,13 @@ fn what_a_track_lacks_costs_the_automaton_as_much_as_clear() {
     ];
     for (name, track, missed, breaks, verdict) in cases {
         assert_eq!(
-            counts(&truth, &track, None),
+            counts(&truth, &track, AUTO),
             [12 - missed, missed, 0, breaks],
             "{name}"
         );
         let report = judged(&truth_at(&truth), &track_at(&track));
         let target = &report.targets[0];
+        assert_eq!(report.counts.late, usize::from(name == "late"), "{name}");
         assert_eq!(
             serde_json::to_value(target.verdict).unwrap(),
             verdict,
@@ -264,31 +356,115 @@ fn what_a_track_lacks_costs_the_automaton_as_much_as_clear() {
     }
 }
 
-#[test]
-fn points_belong_to_the_nearest_scan_of_a_recording() {
+/// Scans of one sensor a second apart, but for these.
+fn recorded(sensors: &[(&str, &[f64])]) -> Recording {
     use crate::model::scan::{RecordingParts, Scan};
     use crate::model::sensor::SensorSettings;
-    let scan = |number: u32| Scan {
-        number,
-        time_s: f64::from(number),
-        sensor: 0,
-        pose: None,
-        own: Vec::new(),
-        detections: Vec::new(),
-    };
-    let sensors = vec![SensorSettings::named("radar")];
-    let recording = Recording::new(RecordingParts {
-        sensors,
-        scans: (1..=4).map(scan).collect(),
+    let mut scans = Vec::new();
+    for (sensor, (_, times_s)) in sensors.iter().enumerate() {
+        for (index, &time_s) in times_s.iter().enumerate() {
+            scans.push(Scan {
+                number: index as u32 + 1,
+                time_s,
+                sensor,
+                pose: None,
+                own: Vec::new(),
+                detections: Vec::new(),
+            });
+        }
+    }
+    scans.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.sensor.cmp(&b.sensor)));
+    let names = sensors.iter().map(|(name, _)| SensorSettings::named(*name));
+    Recording::new(RecordingParts {
+        sensors: names.collect(),
+        scans,
         ..Default::default()
     })
-    .unwrap();
-    let tracks = track_at(&[1.0 - 1e-9, 2.0, 3.004, 4.2]);
-    let steps = Steps::new(Some(&recording), Some(&truth_of(&[])), &tracks, None);
+    .unwrap()
+}
+
+/// From 1 s to 24 s, silent for 14 s.
+fn silent() -> Vec<f64> {
+    (1..=5).chain(20..=24).map(f64::from).collect()
+}
+
+#[test]
+fn the_hole_of_a_regular_sensor_is_filled_and_costs_what_the_truth_costs() {
+    let truth = truth_at(&(1..=24).map(f64::from).collect::<Vec<_>>());
+    let recording = recorded(&[("radar", &silent())]);
+    let tracks = track_at(&silent());
+    let of = |recording, rule| {
+        let (comparison, log) = compared_with(recording, &truth, &tracks, by(rule));
+        (counts_of(&log), comparison.facts.filled)
+    };
+    assert_eq!(of(Some(&recording), StepRule::Auto), ([10, 14, 0, 1], 14));
     assert_eq!(
-        [1.0 - 1e-9, 2.0, 3.004, 4.2].map(|time_s| steps.at(time_s)),
-        [Some(0), Some(1), Some(2), None]
+        of(Some(&recording), StepRule::AsRecorded),
+        ([10, 0, 0, 0], 0)
     );
+    assert_eq!(of(None, StepRule::Auto), ([10, 14, 0, 1], 0));
+    // The automaton sees the same steps: an error for each of the misses.
+    let symbols = SymbolRule::NearestTruth {
+        gate_m: 10.0,
+        max_gap_s: None,
+    };
+    let settings = TfaSettings {
+        symbols,
+        max_missed: 20,
+        ..TfaSettings::PAPER
+    };
+    let errors = [Some(&recording), None].map(|recording| {
+        let input = EvaluationInput {
+            recording,
+            truth: Some(&truth),
+            tracks: &tracks,
+        };
+        evaluate_temporal_automaton(&input, &settings)
+            .unwrap()
+            .targets[0]
+            .least_errors
+    });
+    assert_eq!(errors, [Some(14), Some(14)]);
+}
+
+#[test]
+fn what_another_sensor_saw_and_what_is_irregular_is_no_hole() {
+    let truth = truth_at(&(1..=24).map(f64::from).collect::<Vec<_>>());
+    let others: Vec<f64> = (1..=24).map(|second| f64::from(second) + 0.3).collect();
+    let filled = |sensors: &[(&str, &[f64])]| {
+        let recording = recorded(sensors);
+        compared_with(Some(&recording), &truth, &TrackSet::default(), AUTO)
+            .0
+            .facts
+            .filled
+    };
+    assert_eq!(filled(&[("radar", &silent())]), 14);
+    assert_eq!(filled(&[("radar", &silent()), ("lidar", &others)]), 0);
+    assert_eq!(
+        filled(&[("radar", &[1.0, 2.4, 3.1, 5.7, 6.0, 9.5, 20.0, 21.3])]),
+        0
+    );
+    // Every second scan says nothing, and so is not written: it is a multiple of the period.
+    assert_eq!(
+        filled(&[("radar", &[1.0, 2.0, 3.0, 5.0, 6.0, 7.0, 10.0, 11.0])]),
+        3
+    );
+    // A hole of a year where no target is: nothing to fill.
+    assert_eq!(filled(&[("radar", &[1.0, 2.0, 3.0, 4.0, 5.0, 3e7])]), 19);
+}
+
+#[test]
+fn points_belong_to_the_nearest_scan_of_a_recording() {
+    let recording = recorded(&[("radar", &[1.0, 2.0, 3.0, 4.0])]);
+    let tracks = track_at(&[1.0 - 1e-9, 2.0, 3.004, 4.2, 4.6]);
+    let truth = truth_of(&[]);
+    let paths = Paths::new(&truth, Alignment::Interpolate { max_gap_s: None });
+    let steps = Steps::new(Some(&recording), &paths, &tracks, &AUTO);
+    let at = |steps: &Steps| [1.0 - 1e-9, 2.0, 3.004, 4.2, 4.6].map(|time_s| steps.at(time_s));
+    assert_eq!(at(&steps), [Some(0), Some(1), Some(2), Some(3), None]);
+    // Where detections are compared, a point belongs to a scan at its very time.
+    let steps = Steps::of_detections(&recording, &tracks, None);
+    assert_eq!(at(&steps), [Some(0), Some(1), Some(2), None, None]);
     let told = "times of tracks and scans that differ by up to 0.01 s are one step: so at 2 of 4 steps, by 4.000e-3 s at most";
     assert_eq!(steps.warnings, [told]);
 }

@@ -6,7 +6,7 @@
 //!
 //! - *Truth strings*: the detections that came from the target; of several in one scan the one listed first counts.
 //! - *Output strings*: the decision of the track at each scan, see [`outputs`]. Tentative scans belong to a track that
-//!   was confirmed later; a track that was never confirmed is no output.
+//!   was confirmed later where it is credited afterwards; a track that was never confirmed is no output.
 
 mod choices;
 pub mod difference;
@@ -16,11 +16,13 @@ pub mod step;
 
 use super::EvaluationInput;
 use super::axis::Axis;
+use super::credit::Credit;
 use super::identities::Identities;
 use super::nearest_detection::NearestDetection;
 use super::nearest_truth::NearestTruth;
+use super::paths::{Alignment, Paths};
 use super::spaces;
-use super::steps::Steps;
+use super::steps::{StepRule, StepSettings, Steps};
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
@@ -40,7 +42,11 @@ pub enum SymbolRule {
     /// Detections: the nearest one of the same scan within `gate_m` of the track. Needs what `DetectionId` needs.
     NearestDetection { gate_m: f64 },
     /// Targets: the nearest one within `gate_m` of the track. Truth is interpolated over gaps of at most `max_gap_s`.
-    NearestTruth { gate_m: f64, max_gap_s: f64 },
+    NearestTruth {
+        gate_m: f64,
+        /// `None` is what the metrics bridge where nobody says it.
+        max_gap_s: Option<f64>,
+    },
 }
 
 /// How a track's weights become symbols.
@@ -62,8 +68,9 @@ pub struct StringRules<'r> {
     pub max_missed: u32,
     /// What is known of the recording's sensors, in its order; `None` is what the recording itself says.
     pub sensors: Option<&'r [SensorSettings]>,
-    /// Times nearer than this are one; `None` is what the data allow.
-    pub time_tolerance_s: Option<f64>,
+    /// Whose times count; symbols that are detections are always at the scans of the recording.
+    pub steps: StepSettings,
+    pub credit: Credit,
 }
 
 /// Where the symbols of tracks come from.
@@ -187,7 +194,7 @@ fn by_detection<'a>(
         .map(|gate_m| NearestDetection::new(recording, sensors, input.tracks.space, gate_m))
         .transpose()?;
     // Nearly all tracks are at the times of the scans exactly; then nobody has to go through their times beforehand.
-    let exact = rules.time_tolerance_s.is_none().then(|| {
+    let exact = rules.steps.time_tolerance_s.is_none().then(|| {
         on_scans(
             input,
             recording,
@@ -202,7 +209,7 @@ fn by_detection<'a>(
             on_scans(
                 input,
                 recording,
-                Steps::new(Some(recording), None, input.tracks, rules.time_tolerance_s),
+                Steps::of_detections(recording, input.tracks, rules.steps.time_tolerance_s),
                 nearest.as_ref(),
                 rules,
             )
@@ -250,7 +257,7 @@ fn on_scans<'a>(
         input.tracks,
         &axis,
         &mut identities,
-        source,
+        (source, rules.credit),
         max_missed,
         &mut warnings,
     );
@@ -268,7 +275,7 @@ fn on_scans<'a>(
 fn by_nearest_truth<'a>(
     input: &EvaluationInput<'a>,
     gate_m: f64,
-    max_gap_s: f64,
+    max_gap_s: Option<f64>,
     rules: &StringRules,
 ) -> Result<Strings<'a>, Vec<Fault>> {
     let max_missed = rules.max_missed;
@@ -279,21 +286,18 @@ fn by_nearest_truth<'a>(
             "'truth' is required when symbols are the nearest targets",
         )]);
     };
-    let mut steps = Steps::new(
-        input.recording,
-        Some(truth),
-        input.tracks,
-        rules.time_tolerance_s,
-    );
+    let paths = Paths::new(truth, Alignment::Interpolate { max_gap_s });
+    let mut steps = Steps::new(input.recording, &paths, input.tracks, &rules.steps);
     let mut warnings = Vec::from_iter(spaces::warning(truth, input.tracks));
     warnings.append(&mut steps.warnings);
-    let axis = match input.recording {
-        Some(recording) => Axis::of_recording(recording, input.tracks, steps, max_missed),
+    let is_of_scans = matches!(rules.steps.rule, StepRule::Auto | StepRule::AsRecorded);
+    let recording = input.recording.filter(|_| is_of_scans);
+    let axis = match recording {
+        Some(recording) => Axis::of_filled(recording, input.tracks, steps, max_missed),
         None => Axis::of_steps(steps),
     };
     let space = spaces::common(truth, input.tracks);
-    let keep_all = input.recording.is_none();
-    let nearest = NearestTruth::new(truth, space, &axis, (gate_m, max_gap_s), keep_all)?;
+    let nearest = NearestTruth::new(paths, space, &axis, gate_m, recording.is_none())?;
     let mut strings = StringSet::new(max_missed);
     for (target, scans) in nearest.scans_of_target.iter().enumerate() {
         strings.push_owner(scans.iter().map(|&scan| {
@@ -309,18 +313,22 @@ fn by_nearest_truth<'a>(
             nearest.never_watched
         ));
     }
-    let mut identities = Identities::new(input.recording, &input.tracks.detection_ids);
+    let mut identities = Identities::new(recording, &input.tracks.detection_ids);
     let outputs = outputs::read(
         input.tracks,
         &axis,
         &mut identities,
-        Source::NearestTruth(&nearest),
+        (Source::NearestTruth(&nearest), rules.credit),
         max_missed,
         &mut warnings,
     );
+    let target_ids = nearest
+        .targets
+        .iter()
+        .map(|target| truth.targets()[*target].truth_id.as_str());
     Ok(Strings {
+        target_ids: target_ids.collect(),
         axis,
-        target_ids: nearest.target_ids,
         truth: strings,
         outputs,
         identities,

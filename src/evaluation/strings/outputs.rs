@@ -9,6 +9,7 @@ use super::normal_form::StringSet;
 use super::step::StringStep;
 use super::{DecisionPolicy, Source};
 use crate::evaluation::axis::Axis;
+use crate::evaluation::credit::Credit;
 use crate::evaluation::identities::Identities;
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 
@@ -51,7 +52,7 @@ pub fn read<'a>(
     tracks: &TrackSet,
     axis: &Axis,
     identities: &mut Identities<'a>,
-    source: Source<'_, 'a>,
+    (source, credit): (Source<'_, 'a>, Credit),
     max_missed: u32,
     warnings: &mut Vec<String>,
 ) -> Outputs {
@@ -73,6 +74,7 @@ pub fn read<'a>(
         axis,
         identities,
         source,
+        credit,
         outputs,
         at_scan,
         choices,
@@ -93,6 +95,7 @@ struct Reader<'r, 'a> {
     axis: &'r Axis,
     identities: &'r mut Identities<'a>,
     source: Source<'r, 'a>,
+    credit: Credit,
     outputs: Outputs,
     /// The candidates of the track at hand at the scan at hand, and the choices they leave it.
     at_scan: Vec<Candidate>,
@@ -131,6 +134,9 @@ impl Reader<'_, '_> {
         points.clear();
         let mut guess = 0;
         for (index, point) in track.points.iter().enumerate() {
+            if !self.credit.counts(point) {
+                continue;
+            }
             match self
                 .axis
                 .scan_near(point, guess)
@@ -155,6 +161,23 @@ impl Reader<'_, '_> {
         if !points.is_sorted_by_key(|&(scan, _)| scan) {
             points.sort_by_key(|&(scan, _)| scan);
         }
+        if matches!(self.source, Source::NearestTruth(_)) {
+            self.keep_nearest(track, points);
+        }
+    }
+
+    /// Of the points of a scan the one nearest in time, of two as near the later one.
+    fn keep_nearest(&self, track: &Track, points: &mut Vec<(usize, usize)>) {
+        let far_s = |&(scan, point): &(usize, usize)| {
+            (track.points[point].time_s - self.axis.scans()[scan].time_s).abs()
+        };
+        points.dedup_by(|next, kept| {
+            let is_same = next.0 == kept.0;
+            if is_same && far_s(next) <= far_s(kept) {
+                *kept = *next;
+            }
+            is_same
+        });
     }
 
     /// Whether several scans are at the time of a point that names no sensor.
@@ -168,8 +191,9 @@ impl Reader<'_, '_> {
             return None;
         }
         let has_any = |&scan: &usize| {
+            let recorded = self.axis.recorded(scan);
             self.named_by(point)
-                .any(|name| self.identities.is_in(scan, name))
+                .any(|name| recorded.is_some_and(|scan| self.identities.is_in(scan, name)))
         };
         let mut found = self.axis.scans_at(point.time_s).filter(has_any);
         found.next().filter(|_| found.next().is_none())
@@ -193,7 +217,9 @@ impl Reader<'_, '_> {
         };
         let decision = match alone {
             Some(one) => StringStep {
-                symbol: one.detection.map(|name| self.identify(index, scan, name)),
+                symbol: one
+                    .detection
+                    .and_then(|name| self.identify(index, scan, name)),
                 weight: one.probability,
             },
             None => self.decide_of_many(index, scan, track, points),
@@ -207,9 +233,10 @@ impl Reader<'_, '_> {
         }
         let step = match self.source {
             Source::NearestTruth(nearest) => {
-                let place_m = &track.points[first].estimate.position;
+                let point = &track.points[first];
+                let place_m = &point.estimate.position;
                 StringStep {
-                    symbol: nearest.symbol(scan, place_m),
+                    symbol: nearest.symbol(self.axis, scan, point.time_s, place_m),
                     weight: 1.0,
                 }
             }
@@ -287,17 +314,21 @@ impl Reader<'_, '_> {
                 probability,
             } in self.tracks.candidates_of(point)
             {
-                let detection = detection.map(|index| self.identify(track, scan, index));
-                self.at_scan.push(Candidate {
-                    detection,
-                    probability,
-                });
+                let name = detection;
+                let detection = name.and_then(|index| self.identify(track, scan, index));
+                if name.is_some() == detection.is_some() {
+                    self.at_scan.push(Candidate {
+                        detection,
+                        probability,
+                    });
+                }
             }
         }
     }
 
-    fn identify(&mut self, track: u32, scan: usize, index: u32) -> u32 {
-        let detection = self.identities.resolve(scan, index);
+    /// `None` at a step that no recording has: nothing was detected there.
+    fn identify(&mut self, track: u32, scan: usize, index: u32) -> Option<u32> {
+        let detection = self.identities.resolve(self.axis.recorded(scan)?, index);
         if self.identities.is_unknown(detection) {
             self.outputs.unknown.push(Consumed {
                 track,
@@ -305,7 +336,7 @@ impl Reader<'_, '_> {
                 detection,
             });
         }
-        detection
+        Some(detection)
     }
 
     fn report_crowd(&mut self, track: u32, scan: usize) {
@@ -416,72 +447,4 @@ fn allow(candidates: &[Candidate], min_weight: f64, choices: &mut Vec<StringStep
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn decide(candidates: &[(Option<u32>, f64)]) -> Option<Option<u32>> {
-        candidates_of(candidates)
-            .into_iter()
-            .fold(None, more_probable)
-            .map(|decision| decision.detection)
-    }
-
-    #[test]
-    fn the_most_probable_candidate_counts_and_ties_go_to_the_first_detection() {
-        assert_eq!(decide(&[]), None);
-        assert_eq!(
-            decide(&[(None, 0.5), (Some(1), 0.3), (Some(2), 0.2)]),
-            Some(None)
-        );
-        assert_eq!(
-            decide(&[(None, 0.2), (Some(1), 0.4), (Some(2), 0.4)]),
-            Some(Some(1))
-        );
-        assert_eq!(decide(&[(None, 0.5), (Some(7), 0.5)]), Some(Some(7)));
-        assert_eq!(decide(&[(Some(7), 0.5), (None, 0.5)]), Some(Some(7)));
-        assert_eq!(decide(&[(Some(7), f64::NAN), (None, 0.1)]), Some(None));
-    }
-
-    fn candidates_of(candidates: &[(Option<u32>, f64)]) -> Vec<Candidate> {
-        candidates
-            .iter()
-            .map(|&(detection, probability)| Candidate {
-                detection,
-                probability,
-            })
-            .collect()
-    }
-
-    fn allowed(candidates: &[(Option<u32>, f64)], min_weight: f64) -> Vec<(Option<u32>, f64)> {
-        let mut choices = Vec::new();
-        allow(&candidates_of(candidates), min_weight, &mut choices);
-        choices
-            .into_iter()
-            .map(|step| (step.symbol, step.weight))
-            .collect()
-    }
-
-    #[test]
-    fn candidates_of_enough_weight_are_choices_and_epsilon_where_none_is() {
-        let soft = [
-            (None, 0.25),
-            (Some(1), 0.5),
-            (Some(2), 0.125),
-            (Some(3), 0.125),
-        ];
-        assert_eq!(allowed(&soft, 0.125), soft);
-        assert_eq!(allowed(&soft, 0.2), [(None, 0.25), (Some(1), 0.5)]);
-        assert_eq!(allowed(&soft, 0.4), [(Some(1), 0.5)]);
-        assert_eq!(allowed(&soft, 0.6), [(None, 0.25)], "nothing else is");
-        assert_eq!(
-            allowed(&[(Some(1), 0.25), (Some(2), 0.5)], 0.6),
-            [(None, 0.25)],
-            "what the others leave"
-        );
-        assert_eq!(allowed(&[], 0.1), [(None, 1.0)]);
-        assert_eq!(
-            allowed(&[(Some(1), 0.25), (Some(1), 0.5), (Some(2), f64::NAN)], 0.1),
-            [(Some(1), 0.5)]
-        );
-    }
-}
+mod tests;

@@ -51,7 +51,8 @@ impl<'a> TfaEvaluation<'a> {
             symbols,
             decision,
             max_missed,
-            time_tolerance_s,
+            steps,
+            credit,
             ..
         } = settings;
         let strings = strings::write_strings(
@@ -61,7 +62,8 @@ impl<'a> TfaEvaluation<'a> {
                 decision,
                 max_missed,
                 sensors,
-                time_tolerance_s,
+                steps,
+                credit,
             },
         )?;
         Ok(Self::of_strings(input, settings, strings))

@@ -108,6 +108,9 @@ impl Findings<'_, '_> {
             output_tracks: output_tracks.len(),
             correct: of_verdict[Verdict::Correct as usize],
             missed: of_verdict[Verdict::Missed as usize],
+            late: (0..self.0.verdicts.len())
+                .filter(|target| self.is_late(*target))
+                .count(),
             wrong: of_verdict[Verdict::False as usize],
             matched_tracks: of_class[TrackClass::Matched as usize],
             redundant_tracks: of_class[TrackClass::Redundant as usize],
@@ -115,6 +118,15 @@ impl Findings<'_, '_> {
             violations: self.0.broken.len(),
             unknown_detections: self.0.strings.outputs.unknown.len(),
         }
+    }
+
+    /// Missed, for no track began as the target does, but followed all the same.
+    fn is_late(&self, target: usize) -> bool {
+        let truth = &self.0.strings.truth;
+        let strings = &truth.strings()[truth.of_owner(target)];
+        let symbols: usize = strings.iter().map(|string| string.real).sum();
+        self.0.verdicts[target].verdict == Verdict::Missed
+            && self.0.least_errors[target].is_some_and(|errors| errors < symbols)
     }
 
     fn target(&self, index: usize) -> TargetReport {
@@ -299,7 +311,7 @@ fn parameters(settings: &TfaSettings) -> Parameters {
         SymbolRule::DetectionId => ("detection_id", None, None),
         SymbolRule::NearestDetection { gate_m } => ("nearest_detection", Some(gate_m), None),
         SymbolRule::NearestTruth { gate_m, max_gap_s } => {
-            ("nearest_truth", Some(gate_m), Some(max_gap_s))
+            ("nearest_truth", Some(gate_m), max_gap_s)
         }
     };
     let (decision, min_weight) = match settings.decision {

@@ -45,6 +45,8 @@ pub use report::TfaReport;
 pub use search::Order;
 
 use super::EvaluationInput;
+use super::credit::Credit;
+use super::steps::{StepRule, StepSettings};
 use super::strings::{DecisionPolicy, SymbolRule};
 use crate::model::fault::Fault;
 use serde::Deserialize;
@@ -61,9 +63,12 @@ pub struct TfaSettings {
     pub search: Order,
     /// Whether to determinise and minimise the automaton.
     pub minimise: bool,
-    /// Times nearer than this are one; `None` is what the data allow.
+    /// Whose times count where symbols are targets.
     #[serde(skip)]
-    pub time_tolerance_s: Option<f64>,
+    pub steps: StepSettings,
+    /// Which points of a track count.
+    #[serde(skip)]
+    pub credit: Credit,
 }
 
 impl TfaSettings {
@@ -75,7 +80,12 @@ impl TfaSettings {
         tolerance: 5,
         search: Order::BreadthFirst,
         minimise: false,
-        time_tolerance_s: None,
+        steps: StepSettings {
+            rule: StepRule::Auto,
+            every_s: None,
+            time_tolerance_s: None,
+        },
+        credit: Credit::Afterwards,
     };
 
     /// # Errors

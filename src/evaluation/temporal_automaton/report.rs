@@ -57,6 +57,8 @@ pub struct Counts {
     pub output_tracks: usize,
     pub correct: usize,
     pub missed: usize,
+    /// Of the missed, those that a track followed all the same, from a later scan on.
+    pub late: usize,
     #[serde(rename = "false")]
     pub wrong: usize,
     pub matched_tracks: usize,

@@ -75,6 +75,7 @@ impl Job for AssociateJob {
         let tracking = settle(tracking, data.recording()?);
         let mut tracked = track::track(&mut data, input, &tracking, sensors, settings, observer)?;
         let result = AssociateResult {
+            limits: None,
             detection: data.detection.take(),
             association: report(&tracked, data.recording()?, &data.sensors),
         };

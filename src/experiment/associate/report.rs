@@ -5,12 +5,14 @@ use super::estimates::Estimate;
 use super::speeds::Taken;
 use super::track::Tracked;
 use crate::experiment::input::DetectionResult;
+use crate::experiment::limits::LimitsReport;
 use crate::filtering::imm::Models;
 use crate::filtering::imm::settings::Model;
 use crate::model::modes::MAX_MODES;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::{Track, TrackPoint, TrackSet};
+use crate::tracking::Merge;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -22,6 +24,10 @@ pub struct AssociateResult {
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub detection: Option<DetectionResult>,
     pub association: Association,
+    /// Whether the numbers are within the limits, where the request has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub limits: Option<LimitsReport>,
 }
 
 /// What the tracker made.
@@ -47,6 +53,10 @@ pub struct Association {
     estimates: Vec<Estimate>,
     /// Tracks that were confirmed.
     tracks: Vec<TrackLine>,
+    /// Tracks that ended because another one followed the same target; absent where there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "service", schema(required = false))]
+    merged: Vec<MergeLine>,
     /// What the associator says of its own work; each has its own fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false, value_type = Object))]
@@ -79,6 +89,10 @@ struct Counts {
     track_points: u64,
     /// Track points that were given a detection.
     associated_detections: u64,
+    /// Detections that were put together with others, of sensors with `merge_within_m`; `detections` counts what is left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    merged_detections: Option<u64>,
 }
 
 /// Normalised innovation squared of the updates of confirmed tracks: near `dimensions` on average when the filter's
@@ -104,6 +118,16 @@ struct TrackLine {
     detections: u64,
 }
 
+/// A track that ended because `into_track_id` followed the same target.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = MergedTrack))]
+struct MergeLine {
+    track_id: String,
+    into_track_id: String,
+    /// Of the scan after which it ended.
+    time_s: f64,
+}
+
 /// The part `association` of a report.
 pub fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSettings]) -> Association {
     let set = &tracked.tracks;
@@ -121,6 +145,7 @@ pub fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSetting
             tracks: lines.len() as u64,
             track_points: lines.iter().map(|line| line.points).sum(),
             associated_detections: lines.iter().map(|line| line.detections).sum(),
+            merged_detections: tracked.merged_detections,
         },
         nis: tracked.nis,
         models: tracked
@@ -131,6 +156,7 @@ pub fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSetting
         clutter: tracked.clutter.clone(),
         estimates: tracked.estimates.clone(),
         tracks: lines,
+        merged: tracked.merges.iter().map(merge_line).collect(),
         diagnostics: tracked.diagnostics.clone(),
         taken: (!tracked.taken.is_empty()).then(|| tracked.taken.clone()),
     }
@@ -152,6 +178,14 @@ fn model_lines(set: &TrackSet, models: &Models) -> Vec<ModelLine> {
         mean_probability: (points > 0).then(|| sum / points as f64),
     };
     models.iter().zip(initial).zip(sums).map(line).collect()
+}
+
+fn merge_line(merge: &Merge) -> MergeLine {
+    MergeLine {
+        track_id: merge.track_id.clone(),
+        into_track_id: merge.into_track_id.clone(),
+        time_s: merge.time_s,
+    }
 }
 
 fn line(set: &TrackSet, track: &Track) -> TrackLine {

@@ -2,6 +2,7 @@
 
 use crate::association::ASSOCIATOR;
 use crate::detection::Detector;
+use crate::experiment::limits::LIMITS;
 use crate::experiment::request::fields::{
     DATA, DEFAULT_ASSOCIATOR, DEFAULT_FILTER, DETECTOR, INPUT, JOB_NAME, LABELS, SEED, SENSORS,
 };
@@ -19,6 +20,7 @@ pub static ASSOCIATE: Object = Object {
     fields: &[
         JOB_NAME,
         LABELS,
+        LIMITS,
         SEED,
         required(
             "input",

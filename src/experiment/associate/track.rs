@@ -26,7 +26,8 @@ use crate::model::sight::clutter::ClutterMap;
 use crate::model::track::TrackSet;
 use crate::model::watch::Watch;
 use crate::tracking::{
-    BuildTracker, History, Initiation, Lifecycle, ScanOutcome, Tracker, TrackerParts, Undetected,
+    BuildTracker, History, Initiation, Lifecycle, Merge, ScanOutcome, Tracker, TrackerParts,
+    Undetected,
 };
 use serde_json::Value;
 use std::cell::RefCell;
@@ -52,6 +53,10 @@ pub struct Tracked {
     pub estimates: Vec<Estimate>,
     /// Maps of clutter at the end.
     maps: Vec<Option<ClutterMap>>,
+    /// Detections that became part of others, where that was asked for.
+    pub merged_detections: Option<u64>,
+    /// Tracks that ended because another one followed the same target.
+    pub merges: Vec<Merge>,
     /// What the tracker tells of how it went.
     told: Vec<String>,
     /// How long the associator took, where that was asked for.
@@ -129,6 +134,7 @@ pub fn track(
     data.warnings.append(&mut warnings);
     if let Ok(tracked) = &mut tracked {
         tracked.estimates = estimates;
+        tracked.merged_detections = data.merged_detections;
     }
     tracked
 }
@@ -274,6 +280,7 @@ impl<'a> TrackerRun<'a> {
             None
         };
         drop(tracker);
+        let merges = history.merges();
         let (tracks, smoothed) = history.into_smoothed(recording, &filter, smoothing);
         Ok(Tracked {
             tracks,
@@ -286,6 +293,8 @@ impl<'a> TrackerRun<'a> {
             clutter: None,
             estimates: Vec::new(),
             maps,
+            merged_detections: None,
+            merges,
             told,
             association_time,
             trace,

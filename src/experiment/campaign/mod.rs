@@ -8,6 +8,7 @@
 mod axes;
 mod cells;
 mod chunks;
+mod limits;
 mod outcomes;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -27,6 +28,7 @@ use super::job::{
     self, CellTime, Cost, InputRequest, Job, Known, KnownInputs, Planner, RunError, Work, to_value,
     unsign_zeros,
 };
+use super::limits::Limit;
 use super::observer::Observer;
 use super::request::draft::{Draft, Planned};
 use crate::experiment::input::known::cost_of;
@@ -85,6 +87,7 @@ pub fn plan(mut draft: Draft, planner: Planner) -> Result<Planned, Vec<Fault>> {
         timed_runs: spec.timed_runs,
         confidence: spec.confidence,
         seed: spec.seed,
+        limits: spec.limits,
     })
 }
 
@@ -131,6 +134,8 @@ pub struct Campaign {
     timed_runs: u32,
     confidence: f64,
     seed: u32,
+    /// What the cells must meet.
+    limits: Vec<Limit>,
 }
 
 /// What is loaded once for all runs.
@@ -279,15 +284,23 @@ impl Campaign {
             #[cfg(feature = "parquet")]
             parquet::runs(&self.cell_names(), &names, rows, self.seed)?,
         ]);
-        let mut result = to_value(&CampaignResult {
+        let mut result = CampaignResult {
             outcomes: names.into_iter().map(str::to_owned).collect(),
             confidence: self.confidence,
             cells: reports,
-        })?;
+            limits: None,
+        };
+        let mut warnings = outcomes::warnings(outcomes, rows, lacking);
+        if !self.limits.is_empty() {
+            let report = limits::judge(&self.limits, &result);
+            warnings.extend(report.warning());
+            result.limits = Some(report);
+        }
+        let mut result = to_value(&result)?;
         unsign_zeros(&mut result);
         Ok(job::Outcome {
             result,
-            warnings: outcomes::warnings(outcomes, rows, lacking),
+            warnings,
             artifacts,
             association_time: None,
             cell_times: self.cell_times(association_us),

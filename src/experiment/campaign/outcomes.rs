@@ -4,10 +4,11 @@ use super::axes::Axis;
 use super::cells::Cell;
 use super::shares::{DIFFERENCE, SHARE, is_share};
 use super::stop::Ended;
+use crate::experiment::limits::LimitsReport;
+use crate::experiment::result_numbers::{fields_at, is_quantity, nearest_to, number_at, place_of};
 use crate::math::rng::{Purpose, Seed};
 use crate::math::stats::{self, Interval};
 use crate::model::fault::Fault;
-use crate::registry::nearest_of;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -79,7 +80,7 @@ impl Outcome {
                 "'{}' is null, as a share or a mean of nothing is{said}",
                 self.path
             ),
-            Some(found) if !found.is_object() || found.get("value").is_none() => {
+            Some(found) if !is_quantity(found) => {
                 format!(
                     "'{}' is no number{}",
                     self.path,
@@ -108,63 +109,6 @@ impl Outcome {
             }
             Method::Bootstrap => stats::bootstrap_interval(present, confidence, &mut draw),
         }
-    }
-}
-
-fn place_of<'a>(result: &'a Value, path: &str) -> Option<&'a Value> {
-    path.split('.')
-        .try_fold(result, |place, step| place.get(step))
-}
-
-fn fields_at<'a>(result: &'a Value, path: &str) -> impl Iterator<Item = (&'a String, &'a Value)> {
-    let fields = place_of(result, path).and_then(Value::as_object);
-    fields.into_iter().flatten()
-}
-
-/// `; the nearest path is 'tfa.probability.correct'`.
-fn nearest_to(path: &str, result: &Value) -> String {
-    let mut known = Vec::new();
-    number_paths(result, String::new(), &mut known);
-    nearest_of(path, known).map_or_else(String::new, |nearest| {
-        format!("; the nearest path is '{nearest}'")
-    })
-}
-
-/// The paths of all numbers, flags and quantities of a result, those that are null too; lists have none.
-fn number_paths(place: &Value, path: String, known: &mut Vec<String>) {
-    match place {
-        Value::Object(fields) if !path.is_empty() && fields.contains_key("value") => {
-            known.push(path.clone());
-            fields
-                .iter()
-                .filter(|(name, _)| *name != "value")
-                .for_each(|(name, part)| number_paths(part, format!("{path}.{name}"), known));
-        }
-        Value::Object(fields) => {
-            for (name, part) in fields {
-                number_paths(
-                    part,
-                    if path.is_empty() {
-                        name.clone()
-                    } else {
-                        format!("{path}.{name}")
-                    },
-                    known,
-                );
-            }
-        }
-        Value::Null | Value::Bool(_) | Value::Number(_) => known.push(path),
-        Value::String(_) | Value::Array(_) => {}
-    }
-}
-
-/// A path ends at a number or a flag, or at a quantity, whose number is its `value`.
-fn number_at(result: &Value, path: &str) -> Option<f64> {
-    let found = place_of(result, path)?;
-    match found {
-        Value::Bool(flag) => Some(f64::from(u8::from(*flag))),
-        Value::Object(fields) => fields.get("value").and_then(Value::as_f64),
-        other => other.as_f64(),
     }
 }
 
@@ -263,6 +207,10 @@ pub struct CampaignResult {
     /// Of the intervals.
     pub confidence: f64,
     pub cells: Vec<CellReport>,
+    /// Whether the cells are within the limits, where the request has any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub limits: Option<LimitsReport>,
 }
 
 /// What the runs of one cell gave. Each run by itself is in the file `runs.csv`.

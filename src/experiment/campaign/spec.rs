@@ -1,6 +1,7 @@
 //! The body of a campaign, described field by field, and its type.
 
 use super::outcomes::Outcome;
+use crate::experiment::limits::{LIMITS, Limit};
 use crate::experiment::request::fields::{JOB_NAME, LABELS, NAME, SEED};
 use crate::registry::{
     Bound, Field, Kind, Object, Union, above, default, list, optional, required, variant, whole,
@@ -124,6 +125,7 @@ pub static CAMPAIGN: Object = Object {
     fields: &[
         JOB_NAME,
         LABELS,
+        LIMITS,
         SEED,
         required(
             "base",
@@ -188,6 +190,8 @@ pub struct Spec {
     pub outcomes: Option<Vec<Outcome>>,
     pub compare: Option<ComparisonSpec>,
     pub stop_at: Option<StopSpec>,
+    #[serde(default)]
+    pub limits: Vec<Limit>,
 }
 
 /// What the cells are compared with.

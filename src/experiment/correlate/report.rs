@@ -7,6 +7,7 @@ use crate::correlation::statistic::p_value;
 use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
 use crate::experiment::files::tables::{Table, number, optional};
 use crate::experiment::job::Artifact;
+use crate::experiment::limits::LimitsReport;
 use crate::formats;
 use crate::model::dataset::Dataset;
 use crate::model::track::{Track, TrackPoint, TrackSet};
@@ -46,6 +47,10 @@ pub struct CorrelateResult {
     unassociated_left_out: u64,
     /// Null where nobody knows what the tracks are of.
     truth: Option<CorrelationTruth>,
+    /// Whether the numbers are within the limits, where the request has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub limits: Option<LimitsReport>,
 }
 
 #[derive(Debug, Serialize)]
@@ -157,6 +162,7 @@ pub fn report(correlated: &Correlated, mut tuples: Vec<CorrelationTuple>) -> Cor
         track_id: estimates.track_ids[track as usize].clone(),
     };
     CorrelateResult {
+        limits: None,
         correlator: correlated.correlator,
         statistic: correlated.correlation.statistic.name(),
         sensors: sensors

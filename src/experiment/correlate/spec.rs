@@ -5,6 +5,7 @@ use crate::correlation::alignment::Assumed;
 use crate::correlation::fusion::{BuildFusion, FUSION};
 use crate::correlation::statistic::{STATISTIC, Statistic};
 use crate::correlation::{BuildCorrelator, CORRELATOR};
+use crate::experiment::limits::LIMITS;
 use crate::experiment::request::fields::{
     DATA, JOB_NAME, LABELS, NAME, RANGE, SEED, SENSORS, SIGMA, input_sources,
 };
@@ -149,6 +150,7 @@ pub static CORRELATE: Object = Object {
     fields: &[
         JOB_NAME,
         LABELS,
+        LIMITS,
         SEED,
         optional(
             "sets",

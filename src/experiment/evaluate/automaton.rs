@@ -105,6 +105,7 @@ fn csv(evaluation: &TfaEvaluation, curves: &[ScanProbability]) -> std::io::Resul
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluation::credit::Credit;
     use crate::experiment::request::draft::parse;
     use crate::model::track::TrackSet;
     use serde_json::json;
@@ -124,12 +125,13 @@ mod tests {
         let found = default_settings(&comparison, &input);
         let symbols = SymbolRule::NearestTruth {
             gate_m: 7.5,
-            max_gap_s: 12.0,
+            max_gap_s: Some(12.0),
         };
         assert_eq!(
             found,
             TfaSettings {
                 symbols,
+                credit: Credit::AtTheTime,
                 ..TfaSettings::PAPER
             }
         );

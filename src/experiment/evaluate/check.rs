@@ -105,3 +105,21 @@ pub fn check_symbols(draft: &mut Draft, inputs: &[InputRequest]) {
         draft.add([Fault::new(format!("/{name}"), "missing", detail)]);
     }
 }
+
+/// A grid needs its spacing, and nothing else does.
+pub fn check_steps(draft: &mut Draft) {
+    let is_grid = draft.text_at("/comparison/steps") == Some("every_s");
+    let has_spacing = draft.at("/comparison/every_s").is_some();
+    let pointer = "/comparison/every_s";
+    if is_grid && !has_spacing {
+        let detail = "'every_s' is required when the steps are every_s";
+        draft.add([Fault::new(pointer, "missing", detail)
+            .allowing("the time between two steps, above 0 s")]);
+    }
+    if has_spacing && !is_grid {
+        let detail = "'every_s' goes with steps every_s alone";
+        draft.add([
+            Fault::new(pointer, "conflict", detail).allowing("steps every_s, or no every_s")
+        ]);
+    }
+}

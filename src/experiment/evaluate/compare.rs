@@ -3,7 +3,7 @@
 use super::metrics::NamedMetric;
 use super::spec::{ComparisonSpec, METRICS_OF_BEARINGS};
 use crate::evaluation::EvaluationInput;
-use crate::evaluation::comparison::{Comparison, PointSettings};
+use crate::evaluation::comparison::{ComparedStep, Comparison, PointSettings};
 use crate::evaluation::extent::Extent;
 use crate::evaluation::nearness;
 use crate::evaluation::spaces;
@@ -17,6 +17,8 @@ use crate::model::truth::TruthSet;
 use crate::model::watch::Watch;
 
 pub const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
+
+const FARTHEST_DEG: f64 = 179.999;
 
 /// Truth and tracks of one recording or run.
 pub struct Subject<'a> {
@@ -119,11 +121,19 @@ pub fn compare(
         alignment: spec.alignment.rule,
         gate_m: spec.gate_m,
         reach_m,
-        time_tolerance_s: spec.alignment.time_tolerance_s,
+        steps: spec.steps(),
+        credit: spec.credit(),
     };
+    let of_directions = metrics
+        .iter()
+        .filter(|named| named.metric.accepts(Some(Space::Bearing)))
+        .map(|named| named.metric.reach_m(spec.gate_deg));
     let directions = PointSettings {
         gate_m: spec.gate_deg,
-        reach_m: spec.gate_deg,
+        // Farther apart than half a turn is nobody.
+        reach_m: of_directions
+            .fold(spec.gate_deg, f64::max)
+            .min(FARTHEST_DEG),
         ..places
     };
     let mut extent = Extent::new(watch);
@@ -245,7 +255,8 @@ fn times_meet(subject: &Subject, comparison: &Comparison) -> bool {
         && input.recording.is_some()
     {
         // Scans may well see the one after the other; without them the clocks alone tell.
-        return !comparison.truths.is_empty() && !comparison.tracks.is_empty();
+        let has_tracks = |step: &ComparedStep| !step.is_extra && !step.tracks.is_empty();
+        return !comparison.truths.is_empty() && comparison.steps.iter().any(has_tracks);
     }
     comparison
         .steps
@@ -314,7 +325,9 @@ fn refuse_shapes(metrics: &[NamedMetric], comparisons: &[Comparison]) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::comparison::Alignment;
+    use crate::evaluation::credit::Credit;
+    use crate::evaluation::paths::Alignment;
+    use crate::evaluation::steps::StepSettings;
     use crate::model::state::{Position, State};
     use crate::model::track::{Kinematics, Track, TrackPoint, TrackSet};
     use crate::model::truth::{Target, TruthPoint};
@@ -356,12 +369,15 @@ mod tests {
             truth: Some(&truth),
             tracks: &tracks,
         };
-        let alignment = Alignment::Interpolate { max_gap_s: 5.0 };
+        let alignment = Alignment::Interpolate {
+            max_gap_s: Some(5.0),
+        };
         let settings = PointSettings {
             alignment,
             gate_m: 10.0,
             reach_m: 10.0,
-            time_tolerance_s: None,
+            steps: StepSettings::default(),
+            credit: Credit::Afterwards,
         };
         let comparison = Comparison::of_points(&input, &truth, &settings);
         let content = Content::Points {

@@ -2,6 +2,7 @@
 
 use crate::association::ASSOCIATOR;
 use crate::evaluation::metrics::{METRES, METRIC};
+use crate::experiment::limits::LIMITS;
 use crate::experiment::request::fields::{
     DATA, DETECTOR, INPUT, JOB_NAME, LABELS, NAME, RANGE, SEED, SENSORS,
 };
@@ -36,11 +37,10 @@ static NEAREST_TRUTH: Object = Object {
             "Largest distance between a track and its truth.",
             RANGE,
         ),
-        default(
+        optional(
             "max_gap_s",
-            "Truth is interpolated between points at most this far apart.",
+            "Truth is interpolated between points at most this far apart. Default: 2.5 times the median time between two points of the target.",
             number(0.0, 1e6, "s"),
-            "5.0",
         ),
     ],
 };
@@ -130,16 +130,15 @@ pub static TFA: Object = Object {
     ],
 };
 
-const MAX_GAP: Field = default(
+const MAX_GAP: Field = optional(
     "max_gap_s",
-    "Largest gap in the truth that is bridged.",
+    "Largest gap in the truth that is bridged. Default: 2.5 times the median time between two points of the target.",
     number(0.0, 1e6, "s"),
-    "5.0",
 );
 
 const TIME_TOLERANCE: Field = optional(
     "time_tolerance_s",
-    "Times that differ by no more are one step. Default: a twentieth of the shortest time between two points of one target or track, at most 0.01 s.",
+    "Times of truth that differ by no more are one step. Default: a twentieth of the shortest time between two points of one target, at most 0.01 s.",
     number(0.0, 1e6, "s"),
 );
 
@@ -196,6 +195,22 @@ pub static COMPARISON: Object = Object {
             Kind::Union(&ALIGNMENT),
             r#"{"method":"interpolate"}"#,
         ),
+        default(
+            "steps",
+            "Whose times count. auto: the scans of the recording, holes of regular sensors filled; without one the times of the truth, or a grid where targets have clocks of their own. as_recorded: the same without filling. truth: the times of the truth. every_s: a grid. tracks, union: the times of the tracks, alone or with those of the truth; these two flatter.",
+            Kind::Choice(&["auto", "as_recorded", "truth", "every_s", "tracks", "union"]),
+            "\"auto\"",
+        ),
+        optional(
+            "credit",
+            "Which points of a track count. at_the_time (default): what was known then, without tentative points and without the past of a beginning that was chosen later. afterwards: all points of a track that was confirmed at last; the default of an automaton on detections, which judges what the tracker decided, not what an operator saw.",
+            Kind::Choice(&["at_the_time", "afterwards"]),
+        ),
+        optional(
+            "every_s",
+            "With steps every_s: the time between two steps.",
+            above(0.0, 1e6, "s"),
+        ),
     ],
 };
 
@@ -218,6 +233,7 @@ pub static EVALUATE: Object = Object {
     fields: &[
         JOB_NAME,
         LABELS,
+        LIMITS,
         SEED,
         optional(
             "input",

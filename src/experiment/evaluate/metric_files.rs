@@ -161,7 +161,8 @@ fn add_pairs(table: &mut Table, comparison: &Comparison, pairs: &[(u32, u32)], r
             .next_if(|pair| (pair.truth, pair.track) == (truth, track))
             .map(|pair| (pair.distance, pair.similarity));
         let far = || {
-            let distance = comparison.distance(&of_truth.position_m, &of_track.position_m);
+            let beside = comparison.truth_beside(truth as usize, track as usize);
+            let distance = comparison.distance(&beside.position_m, &of_track.position_m);
             comparison.space?;
             Some((distance, comparison.similarity(distance)))
         };

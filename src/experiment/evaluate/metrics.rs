@@ -2,6 +2,7 @@
 //! sequences together and over each alone, and the files that say more than the report.
 
 use super::compare::{Subject, compare, never_near, refuse_mixtures};
+use super::head::compared;
 use super::metric_files::{self, MAX_PAIRS, Reports};
 use super::progress::MetricProgress;
 use super::report::{event_counts, metrics_value};
@@ -17,7 +18,7 @@ use serde_json::{Map, Value, json};
 
 /// What the metrics say.
 pub struct Judgement {
-    /// The parts of the report: `metrics`, `events`, and with several sequences `sequences`.
+    /// The parts of the report: `metrics`, `events`, `comparison`, and with several sequences `sequences`.
     pub parts: Map<String, Value>,
     pub artifacts: Vec<Artifact>,
     pub warnings: Vec<String>,
@@ -73,7 +74,9 @@ pub fn compute_metrics(
     } else {
         vec![&together]
     };
-    let parts = report(subjects, &sequences, &together, &alone, &of_each);
+    let mut parts = report(subjects, &sequences, &together, &alone, &of_each);
+    let head = compared(spec, subjects, &comparisons);
+    parts.extend(head.map(|head| ("comparison".to_owned(), json!(head))));
     let (artifacts, pairs) = if wants_files {
         files(subjects, &sequences, &of_each, &parts)
     } else {

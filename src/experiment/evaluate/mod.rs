@@ -4,6 +4,7 @@ mod automaton;
 mod check;
 mod compare;
 mod fields;
+mod head;
 mod metric_files;
 mod metrics;
 mod profiles;
@@ -13,6 +14,7 @@ mod run;
 mod spec;
 
 pub use fields::EVALUATE;
+pub use head::Compared;
 
 use crate::evaluation::metrics::BuildMetric;
 use crate::experiment::associate::check::{check_start, check_tracking};
@@ -45,6 +47,7 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = check_tracking(&mut draft, true);
     let inputs = draft.inputs();
     check::check_symbols(&mut draft, &inputs);
+    check::check_steps(&mut draft);
     check_start(&mut draft, &inputs);
     profiles::fill_metrics(&mut draft, &inputs);
     let metrics_of_boxes = profiles::metrics_of_boxes(&draft);

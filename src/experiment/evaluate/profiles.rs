@@ -24,7 +24,7 @@ pub fn fill_metrics(draft: &mut Draft, inputs: &[InputRequest]) {
             draft.add([Fault::new("/truth", "missing", detail)]);
         }
         Some(listed) if !are_places && !all_accept_bearings(draft, listed) => {
-            let detail = "most metrics compare places in metres; this filter makes directions, which the automaton judges";
+            let detail = "this metric compares places in metres, and this filter makes directions";
             draft
                 .add([Fault::new("/metrics", "unsupported", detail).allowing(METRICS_OF_BEARINGS)]);
         }
@@ -55,12 +55,12 @@ pub fn accepts_bearings(metric: &Choice<BuildMetric>) -> bool {
 
 /// Tracks that begin at the truth carry the names of their targets.
 fn metrics_of_bearings(draft: &Draft) -> Vec<Value> {
-    let is_named = draft.text_at("/tracker/initiation/method") == Some("truth")
-        && draft.text_at("/profile") == Some("tracking");
-    if is_named {
-        check_all(&[json!({"metric": "track_keeping"})])
-    } else {
-        Vec::new()
+    let is_named = draft.text_at("/tracker/initiation/method") == Some("truth");
+    match draft.text_at("/profile") {
+        Some("tracking") if is_named => check_all(&[json!({"metric": "track_keeping"})]),
+        Some("tracking") => check_all(&[json!({"metric": "clear"})]),
+        Some("vision") => metrics_of(Some("vision"), &Value::Null),
+        _ => Vec::new(),
     }
 }
 

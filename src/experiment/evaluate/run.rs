@@ -153,9 +153,11 @@ impl EvaluateJob {
         };
         let comparison = &self.spec.comparison;
         let tfa = self.spec.tfa;
+        let tfa = tfa.unwrap_or_else(|| automaton::default_settings(comparison, &input));
         let tfa = TfaSettings {
-            time_tolerance_s: comparison.alignment.time_tolerance_s,
-            ..tfa.unwrap_or_else(|| automaton::default_settings(comparison, &input))
+            steps: comparison.steps(),
+            credit: comparison.credit_of(tfa.symbols),
+            ..tfa
         };
         let evaluation = automaton::evaluate(tfa, input, &data.sensors)?;
         let mut warnings = evaluation.strings.warnings.clone();

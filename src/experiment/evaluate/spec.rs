@@ -1,16 +1,18 @@
 //! The type of a request that judges tracks.
 
 use crate::detection::Detector;
-use crate::evaluation::TfaSettings;
-use crate::evaluation::comparison::Alignment;
+use crate::evaluation::credit::Credit;
 use crate::evaluation::metrics::BuildMetric;
+use crate::evaluation::paths::Alignment;
+use crate::evaluation::steps::StepSettings;
+use crate::evaluation::{SymbolRule, TfaSettings};
 use crate::experiment::request::methods::{Choice, OptionalTracking};
 use crate::experiment::request::sources::InputSpec;
 use crate::model::sensor::SensorSettings;
 use serde::Deserialize;
 
 /// The metrics that directions can be judged by.
-pub const METRICS_OF_BEARINGS: &str = "track_keeping";
+pub const METRICS_OF_BEARINGS: &str = "clear, identity, hota, track_keeping";
 
 /// A request that judges tracks.
 #[derive(Clone, Deserialize)]
@@ -54,6 +56,31 @@ pub struct ComparisonSpec {
     pub gate_deg: f64,
     pub min_iou: f64,
     pub alignment: AlignmentSpec,
+    #[serde(flatten)]
+    steps: StepSettings,
+    credit: Option<Credit>,
+}
+
+impl ComparisonSpec {
+    /// Of the metrics, and of an automaton on targets.
+    pub fn credit(&self) -> Credit {
+        self.credit.unwrap_or_default()
+    }
+
+    /// An automaton on detections judges what the tracker decided, not what an operator saw.
+    pub fn credit_of(&self, symbols: SymbolRule) -> Credit {
+        match symbols {
+            SymbolRule::NearestTruth { .. } => self.credit(),
+            _ => self.credit.unwrap_or(Credit::Afterwards),
+        }
+    }
+
+    pub fn steps(&self) -> StepSettings {
+        StepSettings {
+            time_tolerance_s: self.alignment.time_tolerance_s,
+            ..self.steps
+        }
+    }
 }
 
 /// How truth is brought to the times of tracks.

@@ -7,6 +7,7 @@ use crate::correlation::grouping::fuzzy_c_means::History;
 use crate::evaluation::grouping::GroupingCounts;
 use crate::experiment::files::tables::{Table, number, optional};
 use crate::experiment::job::Artifact;
+use crate::experiment::limits::LimitsReport;
 use crate::model::scan::Recording;
 use serde::Serialize;
 
@@ -17,6 +18,10 @@ const MAX_INSTANTS: usize = 1000;
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 pub struct GroupResult {
     grouping: GroupingSummary,
+    /// Whether the numbers are within the limits, where the request has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub limits: Option<LimitsReport>,
 }
 
 /// What was put together, and how right it is where the detections say which target they came from. The groups themselves
@@ -131,7 +136,10 @@ pub fn report(grouped: &Grouped, recording: &Recording) -> GroupResult {
             lines
         },
     };
-    GroupResult { grouping }
+    GroupResult {
+        grouping,
+        limits: None,
+    }
 }
 
 fn search_of(grouped: &Grouped) -> Option<GroupingSearch> {

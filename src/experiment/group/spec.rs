@@ -1,6 +1,7 @@
 //! The body of a job that groups reports, and its type.
 
 use crate::correlation::grouping::{BuildGrouper, GROUPER};
+use crate::experiment::limits::LIMITS;
 use crate::experiment::request::fields::{INPUT, JOB_NAME, LABELS, SEED, SENSORS};
 use crate::experiment::request::methods::Choice;
 use crate::experiment::request::sources::InputSpec;
@@ -14,6 +15,7 @@ pub static GROUP: Object = Object {
     fields: &[
         JOB_NAME,
         LABELS,
+        LIMITS,
         SEED,
         required(
             "input",

@@ -1,5 +1,6 @@
 //! The data of a job: loaded, simulated, or found in a bearing-time record.
 
+mod clusters;
 mod detect;
 pub mod extent;
 mod extracts;
@@ -44,6 +45,8 @@ pub struct JobData {
     pub warnings: Vec<String>,
     /// The part `detection` of the report.
     pub detection: Option<DetectionResult>,
+    /// Detections that became part of others, where sensors tell which are of one target.
+    pub merged_detections: Option<u64>,
     /// What came with the detections.
     uploaded: Vec<SensorSettings>,
 }
@@ -128,7 +131,9 @@ impl JobData {
         }
         if let Some(recording) = self.recording.take() {
             self.sensors = sensors::merge_settings(&recording, &self.uploaded, requested)?;
-            self.recording = Some(turned(recording, &mut self.sensors));
+            let turned = turned(recording, &mut self.sensors);
+            let (recording, merged) = clusters::merged(turned, &self.sensors);
+            (self.recording, self.merged_detections) = (Some(recording), merged);
         }
         if let Some(record) = &self.record
             && let Some(found) = self.recording.take()

@@ -219,7 +219,7 @@ fn strongest() -> Preset {
                 "associator": {"method": "nearest_neighbour"},
                 "filter": {"method": "kalman", "process_noise_m2ps3": 100.0},
                 "tracker": {"gate_probability": 0.999, "initiation": {"method": "truth"}},
-                "comparison": {"gate_m": 1250.0},
+                "comparison": {"gate_m": 1250.0, "credit": "afterwards"},
                 "profile": "vision",
                 "metrics": [{"metric": "identity"}]
             },

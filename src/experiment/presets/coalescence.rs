@@ -35,7 +35,7 @@ pub(super) fn presets() -> Vec<Preset> {
         "filter": {"method": "kalman", "process_noise_m2ps3": 0.05},
         "tracker": {"gate_probability": 0.999, "initiation": {"method": "truth", "speed_sigma_mps": 1.0}},
         "metrics": [{"metric": "ospa", "cutoff_m": 10.0, "p": 2.0}, {"metric": "clear"}],
-        "comparison": {"gate_m": 4.0}
+        "comparison": {"gate_m": 4.0, "credit": "afterwards"}
     });
     let outcomes = [
         ("OSPA m", "metrics.ospa.quantities.ospa"),

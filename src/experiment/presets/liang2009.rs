@@ -16,13 +16,13 @@ const SPEED_SIGMA_MPS: f64 = 430.0;
 pub(super) fn presets() -> Vec<Preset> {
     let cartesian = TARGETS.iter().map(|&count| {
         let summary =
-            format!("Liang & Liu 2009: {count} targets, one radar, 30 scans; tracked by nearest neighbour and judged by the automaton.");
+            format!("Liang & Liu 2009: {count} targets, one radar, 30 scans; tracked by nearest neighbour from single detections on (one_point), as in the paper, and judged by the automaton.");
         preset(format!("liang2009-{count}"), summary, "kalman", json!({"method": "one_point"}), scenario_of_paper(count))
     });
     let polar = TARGETS.iter().map(|&count| {
         let summary = format!(
             "Liang & Liu 2009 with a radar that reports ranges and bearings: {count} targets, 30 scans; tracked by nearest neighbour \
-             from two points on, with unbiased converted measurements, and judged by the automaton."
+             from two points on (two_point), with unbiased converted measurements, and judged by the automaton."
         );
         let noise = json!({"sigma_range_m": 15.0, "sigma_bearing_deg": 0.0052_f64.to_degrees()});
         let initiation = json!({"method": "two_point", "max_speed_mps": MAX_SPEED_MPS});
@@ -37,15 +37,16 @@ pub(super) fn presets() -> Vec<Preset> {
 
 /// Targets by associators, judged by the automaton alone.
 fn table1() -> Preset {
-    let summary = "Liang & Liu 2009, Table 1 and Figures 1 and 2: nearest neighbour, PDA and JPDA with 10 to 100 targets, judged by the \
-                   automaton; means with intervals, and JPDA and PDA against nearest neighbour on the same scenes.";
+    let summary = "Liang & Liu 2009, Table 1 and Figures 1 and 2: nearest neighbour, PDA and JPDA with 10 to 100 targets, tracks begun by single \
+                   detections (one_point), judged by the automaton; means with intervals, and JPDA and PDA against nearest neighbour on the same scenes.";
     let targets = json!({"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": TARGETS});
     campaign("table1", summary, TARGETS[0], vec![targets], 200)
 }
 
 /// Clutter by associators.
 fn clutter() -> Preset {
-    let summary = "Liang & Liu 2009, what clutter does to each associator: 50 targets with no to 200 false detections a scan.";
+    let summary = "Liang & Liu 2009, what clutter does to each associator: 50 targets with no to 200 false detections a scan, tracks begun \
+                   by single detections (one_point).";
     let path = "/input/scenario/sensors/0/clutter_per_scan";
     let clutter = json!({"by": "values", "name": "clutter", "path": path, "values": [0.0, 5.0, 20.0, 50.0, 100.0, 200.0]});
     campaign("clutter", summary, 50, vec![clutter], 100)
@@ -53,8 +54,8 @@ fn clutter() -> Preset {
 
 /// Tracks that begin as in the paper, and at the truth.
 fn beginnings() -> Preset {
-    let summary = "Liang & Liu 2009, how much the beginnings of tracks decide: from single detections, and at the true states of the \
-                   first scan.";
+    let summary = "Liang & Liu 2009, how much the beginnings of tracks decide: from single detections (one_point), and at the true states \
+                   of the first scan (truth).";
     let axes = vec![
         few_targets(),
         beginnings_by(&[("one point", "one_point"), ("truth", "truth")]),
@@ -182,7 +183,7 @@ fn preset(
                 "gate_probability": 0.999, "initiation": initiation, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5,
                 "initial_speed_sigma_mps": SPEED_SIGMA_MPS
             },
-            "comparison": {"gate_m": 1000.0},
+            "comparison": {"gate_m": 1000.0, "credit": "afterwards"},
             "tfa": {"symbols": {"kind": "detection_id"}, "decision": {"policy": "most_probable"}, "max_missed": 5}
         }),
         name,

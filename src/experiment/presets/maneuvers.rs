@@ -97,7 +97,7 @@ fn preset(name: &str, summary: &str, scene: &Scene, target: &Value, filter: Valu
             "gate_probability": 0.999_999, "confirm_hits": 1, "confirm_window": 1,
             "initial_speed_sigma_mps": scene.speed_sigma_mps
         },
-        "comparison": {"gate_m": 10.0 * scene.sigma_m}
+        "comparison": {"gate_m": 10.0 * scene.sigma_m, "credit": "afterwards"}
     });
     Preset {
         name: name.to_owned(),

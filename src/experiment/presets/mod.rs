@@ -3,6 +3,7 @@
 pub mod cai_fuzzy;
 mod cai_fuzzy_claims;
 mod coalescence;
+mod hard_scenes;
 mod huo2008;
 mod huo2008_claims;
 mod liang2009;
@@ -60,7 +61,7 @@ pub const PAPERS: &[&str] = &[
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 15] = [
+const FAMILIES: [(&str, MakePresets); 17] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("cai-fuzzy-", cai_fuzzy_claims::presets),
@@ -76,6 +77,8 @@ const FAMILIES: [(&str, MakePresets); 15] = [
     ("own-ship-", own_ship::presets),
     ("williams2015", random_sets::williams),
     ("coalescence", coalescence::presets),
+    ("crossing-low-pd", hard_scenes::crossing),
+    ("clumped-clutter", hard_scenes::clumped),
 ];
 
 /// Every preset.

@@ -33,7 +33,7 @@ pub(super) fn presets() -> Vec<Preset> {
         "tracker": {
             "gate_probability": 0.999_999, "confirm_hits": 1, "confirm_window": 1, "initial_speed_sigma_mps": 5.0
         },
-        "comparison": {"gate_m": 40_000.0},
+        "comparison": {"gate_m": 40_000.0, "credit": "afterwards"},
         "metrics": [{"metric": "kinematics"}]
     });
     vec![Preset {

@@ -78,7 +78,7 @@ fn campaign() -> Preset {
     }
 }
 
-fn quantity(name: &str, path: &str) -> Value {
+pub(super) fn quantity(name: &str, path: &str) -> Value {
     json!({"name": name, "path": format!("metrics.{path}")})
 }
 
@@ -140,7 +140,7 @@ fn body(name: &str) -> Value {
         "associator": {"method": "jpda"},
         "filter": {"method": "kalman", "process_noise_m2ps3": 0.02},
         "tracker": poisson_multi_bernoulli(),
-        "comparison": {"gate_m": 10.0},
+        "comparison": {"gate_m": 10.0, "credit": "afterwards"},
         "metrics": [{"metric": "gospa", "cutoff_m": 10.0}, {"metric": "t_gospa", "cutoff_m": 10.0}]
     })
 }

@@ -24,7 +24,7 @@ pub fn presets() -> Vec<Preset> {
         "associator": {"method": "global_nearest_neighbour"},
         "filter": {"method": "unscented", "process_noise_m2ps3": 0.01},
         "tracker": {"initial_speed_sigma_mps": 6.0, "confirm_hits": 4, "confirm_window": 6, "max_missed": 10},
-        "comparison": {"gate_m": 300.0}
+        "comparison": {"gate_m": 300.0, "credit": "afterwards"}
     });
     vec![Preset {
         name: "solent-radar".to_owned(),

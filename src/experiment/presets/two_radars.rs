@@ -24,7 +24,7 @@ pub(super) fn presets() -> Vec<Preset> {
         "filter": {"method": "converted", "process_noise_m2ps3": 0.01, "vertical_process_noise_m2ps3": 0.0001},
         "tracker": {"gate_probability": 0.999_99, "initial_speed_sigma_mps": 150.0},
         "metrics": [{"metric": "clear"}, {"metric": "kinematics"}],
-        "comparison": {"gate_m": 2000.0}
+        "comparison": {"gate_m": 2000.0, "credit": "afterwards"}
     });
     vec![Preset {
         name: "two-radars".to_owned(),

@@ -206,6 +206,11 @@ pub static SENSOR_SETTINGS: Object = Object {
             "Time after which errors of successive reports of a target are forgotten to 1/e; where scans are faster, noise counts as larger, so that many of them say no more than they do. Independent when absent.",
             above(0.0, 1e6, "s"),
         ),
+        optional(
+            "merge_within_m",
+            "Detections of a scan that are not farther apart than this, or are joined by a chain of such, are taken as one at their mean, where a sensor gives several of each target; each counts by itself when absent.",
+            above(0.0, 1e6, "m"),
+        ),
     ],
 };
 

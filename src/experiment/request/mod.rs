@@ -4,6 +4,7 @@
 pub mod draft;
 pub mod fields;
 pub mod job_shape;
+pub mod limits;
 pub mod methods;
 mod names;
 pub mod paths;

@@ -90,8 +90,13 @@ static SCENARIO_SENSOR: Object = Object {
         ),
         optional(
             "clutter_per_scan",
-            "Mean of the Poisson number of false detections in a scan.",
+            "Mean of the number of false detections in a scan.",
             number(0.0, 1e6, ""),
+        ),
+        optional(
+            "clutter_dispersion",
+            "Variance of the number of false detections in a scan over its mean: a negative binomial number, for clutter that comes in bursts. A Poisson number when absent or 1.",
+            number(1.0, 1000.0, ""),
         ),
         optional(
             "clutter_per_deg",

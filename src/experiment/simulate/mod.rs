@@ -4,6 +4,8 @@ use crate::experiment::input::JobData;
 use crate::experiment::job::{
     InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work, to_value,
 };
+use crate::experiment::limits::LIMITS;
+use crate::experiment::limits::LimitsReport;
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
 use crate::experiment::request::fields::{JOB_NAME, LABELS, SEED};
@@ -21,6 +23,7 @@ pub static SIMULATE: Object = Object {
     fields: &[
         JOB_NAME,
         LABELS,
+        LIMITS,
         SEED,
         required("scenario", "The scene.", Kind::Object(&SCENARIO)),
     ],
@@ -31,6 +34,10 @@ pub static SIMULATE: Object = Object {
 pub struct SimulateResult {
     counts: SimulationCounts,
     sensors: Vec<SensorSettings>,
+    /// Whether the numbers are within the limits, where the request has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub limits: Option<LimitsReport>,
 }
 
 #[derive(Debug, Default, Serialize)]
@@ -72,6 +79,7 @@ impl Job for SimulateJob {
         let mut data = JobData::default();
         data.gather(&self.input, None, &[], settings.seed, observer)?;
         let result = to_value(&SimulateResult {
+            limits: None,
             counts: counts(&data),
             sensors: data.sensors.clone(),
         })?;

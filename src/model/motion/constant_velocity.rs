@@ -83,6 +83,10 @@ impl<const N: usize> Motion<N> for ConstantVelocity {
         mirror(p);
     }
 
+    fn white_acceleration(&self) -> Option<f64> {
+        Some(self.spectral_density)
+    }
+
     /// q·T/3.
     fn rate_variance(&self, dt_s: f64) -> f64 {
         self.spectral_density * dt_s / 3.0

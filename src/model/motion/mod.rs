@@ -36,6 +36,11 @@ pub trait Motion<const N: usize>: Copy + Send + 'static {
     /// Variance of a rate at the end of `dt_s` around the mean rate of that time, as far as the model's own noise goes.
     fn rate_variance(&self, dt_s: f64) -> f64;
 
+    /// Spectral density of the acceleration, where that is white and all there is.
+    fn white_acceleration(&self) -> Option<f64> {
+        None
+    }
+
     /// By how much the model itself, without noise, changes a velocity of this size in `dt_s`, at most; of a turn that is not known one
     /// standard deviation.
     fn bend_mps(&self, _speed_mps: f64, _dt_s: f64) -> f64 {

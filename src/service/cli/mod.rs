@@ -1,7 +1,9 @@
 //! The command line: reads arguments, calls the rest, and turns what happened into an exit code.
 
 mod access;
+mod build_server;
 mod catalogue;
+mod compare;
 mod convert;
 mod demo;
 mod files;
@@ -40,6 +42,8 @@ enum Command {
     Worker(WorkerArguments),
     /// Run one job without a server
     Run(run::RunArguments),
+    /// Hold one result against another, pair by pair, and say which is better
+    Compare(compare::CompareArguments),
     /// Read a file of detections, truth or tracks, and write it in another format
     Convert(convert::ConvertArguments),
     /// Say what a file holds, how its units fared, what seems wrong, and which job to start from
@@ -213,6 +217,7 @@ pub fn main() -> ExitCode {
         Command::Serve(arguments) => blocking(crate::service::server::serve(arguments.config())),
         Command::Worker(arguments) => blocking(crate::service::server::work(arguments.config())),
         Command::Run(arguments) => return run::run(&arguments),
+        Command::Compare(arguments) => return compare::run(&arguments),
         Command::Convert(arguments) => return convert::convert(&arguments),
         Command::Inspect(arguments) => return inspect::run(&arguments),
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),

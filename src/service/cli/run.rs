@@ -1,10 +1,13 @@
 //! `trackloom run`: one job, no server.
 
+use super::build_server::{VerdictFiles, failures, verdicts_of};
 use super::files::JobFile;
 use super::{BAD_INPUT, catalogue, table};
 use crate::experiment::job_shape::with_kind;
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::{self, Artifact, JobKind, Known, Outcome, Plan, RunError, presets};
+use crate::experiment::{
+    self, Artifact, JobKind, Known, LimitsReport, Outcome, Plan, RunError, presets,
+};
 use crate::model::fault::Fault;
 use crate::registry;
 use crate::service::child::meter::Meter;
@@ -14,6 +17,7 @@ use crate::service::types::ReportInput;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Deserialize;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
@@ -43,6 +47,8 @@ pub(super) struct RunArguments {
     /// What to print
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+    #[command(flatten)]
+    files: VerdictFiles,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -184,7 +190,23 @@ fn finish_job(
         eprintln!("wrote {} into {}", names.join(", "), folder.display());
     }
     print(&report, arguments.format)?;
-    Ok(())
+    hold_limits(&outcome.result, job.kind, &arguments.files)
+}
+
+/// Writes what a build server reads, and fails where a limit is not met.
+fn hold_limits(result: &Value, kind: JobKind, files: &VerdictFiles) -> Result<(), Trouble> {
+    let report: Option<LimitsReport> = match result.get("limits") {
+        Some(limits) => Some(
+            LimitsReport::deserialize(limits).context("the limits of the result are damaged")?,
+        ),
+        None => None,
+    };
+    let verdicts = report.as_ref().map(verdicts_of).unwrap_or_default();
+    files.write(&format!("trackloom {}", kind.name()), &verdicts)?;
+    match failures(&verdicts) {
+        Some(failed) => Err(anyhow::anyhow!("limits: {failed}").into()),
+        None => Ok(()),
+    }
 }
 
 fn preset_job(name: &str) -> Result<JobFile, Trouble> {

@@ -1,7 +1,7 @@
 //! Reading what a comparison of jobs needs.
 
 use super::Jobs;
-use super::read::METRIC_SERIES;
+use super::read::{METRIC_SERIES, METRIC_TRUTHS};
 use crate::service::error::ServiceError;
 use crate::service::storage::blobs::Blobs;
 use crate::service::types::{ComparedJob, Comparison, Job};
@@ -16,6 +16,7 @@ struct Files {
     job: Job,
     report: String,
     metrics: Option<String>,
+    truths: Option<String>,
     runs: Option<String>,
 }
 
@@ -77,6 +78,7 @@ impl Jobs {
             job: self.get(id).await?,
             report,
             metrics: named(METRIC_SERIES),
+            truths: named(METRIC_TRUTHS),
             runs: named("runs.csv"),
         })
     }
@@ -129,6 +131,7 @@ fn side(blobs: &Blobs, files: Files) -> anyhow::Result<Side> {
         spec,
         result: report["result"].take(),
         metrics,
+        truths: files.truths.map(read).transpose()?,
         runs: files.runs.map(read).transpose()?,
     })
 }

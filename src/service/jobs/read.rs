@@ -303,6 +303,7 @@ fn read_files(
 
 /// The file from which the series `metrics` comes.
 pub(super) const METRIC_SERIES: &str = "metric-series.csv";
+pub(super) const METRIC_TRUTHS: &str = "metric-truths.csv";
 
 /// Where a reader of live events is.
 struct Reading {

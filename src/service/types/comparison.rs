@@ -46,6 +46,8 @@ pub struct ComparedNumber {
     pub path: String,
     /// Empty where it has none, or where the report does not say.
     pub unit: String,
+    /// Whether larger values are better; null where neither is.
+    pub higher_is_better: Option<bool>,
     pub values: Vec<Option<f64>>,
 }
 
@@ -54,6 +56,8 @@ pub struct ComparedNumber {
 pub enum PairedOver {
     /// Runs of a cell that two campaigns share.
     Runs,
+    /// Targets that both judged.
+    Targets,
     /// Times at which truth and tracks were compared. They follow each other: the interval is that of the means of √n batches.
     Steps,
 }
@@ -68,6 +72,8 @@ pub struct PairedNumber {
     pub cell: Option<String>,
     pub over: PairedOver,
     pub unit: String,
+    /// Whether larger values are better; null where neither is.
+    pub higher_is_better: Option<bool>,
     /// Mean of each job over what it has itself.
     pub means: Vec<Option<f64>>,
     /// Each job less the baseline; null of the baseline, and where nothing can be paired.
@@ -84,6 +90,18 @@ pub struct PairedDifference {
     /// Pairs in which the job has the smaller number, and in which it has the larger.
     pub smaller: u64,
     pub larger: u64,
+    /// Against the baseline, where one direction is better and there is an interval.
+    pub verdict: Option<DifferenceVerdict>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DifferenceVerdict {
+    /// The whole interval is on the better side of 0.
+    Better,
+    Worse,
+    /// The interval holds 0.
+    NotSignificant,
 }
 
 /// A job's verdicts beside those of the baseline, on the targets that both judged.

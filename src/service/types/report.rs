@@ -4,8 +4,8 @@
 use super::dataset::DatasetKind;
 use super::tracking_events::EventCounts;
 use crate::experiment::{
-    AssociateResult, Association, CampaignResult, CellTime, CorrelateResult, DetectionResult,
-    GroupResult, Input, InputRequest, SimulateResult, Source,
+    AssociateResult, Association, CampaignResult, CellTime, Compared, CorrelateResult,
+    DetectionResult, GroupResult, Input, InputRequest, LimitsReport, SimulateResult, Source,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -159,6 +159,10 @@ pub struct EvaluateResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub events: Option<EventCounts>,
+    /// What a reader must know before the numbers: whose times count, what is a match, what was left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub comparison: Option<Compared>,
     /// Each sequence alone, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -167,6 +171,10 @@ pub struct EvaluateResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub smoothed: Option<SmoothedMetrics>,
+    /// Whether the numbers are within the limits, where the request has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub limits: Option<LimitsReport>,
 }
 
 /// What the metrics say of smoothed tracks.
@@ -174,6 +182,7 @@ pub struct EvaluateResult {
 pub struct SmoothedMetrics {
     pub metrics: BTreeMap<String, MetricReport>,
     pub events: EventCounts,
+    pub comparison: Compared,
 }
 
 /// What a metric says. Its values over time, and those of each target and each track, are in the job's files.
@@ -311,6 +320,8 @@ pub struct TfaCounts {
     pub output_tracks: u64,
     pub correct: u64,
     pub missed: u64,
+    /// Of the missed, those that a track followed all the same, from a later scan on.
+    pub late: u64,
     #[serde(rename = "false")]
     pub wrong: u64,
     pub matched_tracks: u64,

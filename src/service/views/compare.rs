@@ -1,10 +1,11 @@
 //! Several jobs side by side: the numbers of their reports, differences pair by pair, and where their requests differ.
 
-use super::metrics::MetricTable;
-use crate::math::stats;
+use super::metrics::{MetricTable, split_unit};
+use crate::evaluation::metrics::direction::higher_is_better;
+use crate::math::stats::{self, Interval};
 use crate::service::types::{
-    ComparedJob, ComparedNumber, ComparedVerdicts, Comparison, PairedDifference, PairedNumber,
-    PairedOver, RequestDifference,
+    ComparedJob, ComparedNumber, ComparedVerdicts, Comparison, DifferenceVerdict, PairedDifference,
+    PairedNumber, PairedOver, RequestDifference,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -33,6 +34,8 @@ pub struct Side {
     pub spec: Value,
     pub result: Value,
     pub metrics: MetricTable,
+    /// `metric-truths.csv`: what metrics say of each target.
+    pub truths: Option<Vec<u8>>,
     /// `runs.csv` of a campaign.
     pub runs: Option<Vec<u8>>,
 }
@@ -42,18 +45,21 @@ type Values = BTreeMap<String, f64>;
 
 /// `baseline` is the place of the job that the others are compared with.
 pub fn of(sides: &[Side], baseline: usize, confidence: f64) -> Comparison {
-    let mut paired = paired(
-        &sides.iter().map(runs_of).collect::<Vec<_>>(),
-        baseline,
-        confidence,
-        PairedOver::Runs,
-    );
-    paired.extend(self::paired(
-        &sides.iter().map(steps_of).collect::<Vec<_>>(),
-        baseline,
-        confidence,
-        PairedOver::Steps,
-    ));
+    let directions = directions(&sides[baseline].spec);
+    let mut paired = Vec::new();
+    for (columns, over) in [
+        (runs_of as fn(&Side) -> Columns, PairedOver::Runs),
+        (targets_of, PairedOver::Targets),
+        (steps_of, PairedOver::Steps),
+    ] {
+        let of_sides: Vec<Columns> = sides.iter().map(columns).collect();
+        paired.extend(self::paired(
+            &of_sides,
+            &directions,
+            (baseline, confidence),
+            over,
+        ));
+    }
     Comparison {
         jobs: sides.iter().map(|side| side.job.clone()).collect(),
         baseline: sides[baseline].job.id,
@@ -114,6 +120,7 @@ fn numbers(sides: &[Side]) -> Vec<ComparedNumber> {
         (values.iter().flatten().count() > 1).then(|| ComparedNumber {
             path: path.clone(),
             unit,
+            higher_is_better: higher_is_better(path),
             values,
         })
     };
@@ -149,6 +156,41 @@ fn runs_of(side: &Side) -> Columns {
     columns
 }
 
+/// Which way outcomes of a campaign are better, by the names that people gave them.
+fn directions(spec: &Value) -> BTreeMap<String, Option<bool>> {
+    let mut found = BTreeMap::new();
+    for outcome in spec["outcomes"].as_array().into_iter().flatten() {
+        if let (Some(name), Some(path)) = (outcome["name"].as_str(), outcome["path"].as_str()) {
+            found.insert(name.to_owned(), higher_is_better(path));
+        }
+    }
+    found
+}
+
+/// Columns of `metric-truths.csv`, by the targets.
+fn targets_of(side: &Side) -> Columns {
+    let mut columns = Columns::new();
+    let Some(bytes) = &side.truths else {
+        return columns;
+    };
+    let mut reader = csv::Reader::from_reader(bytes.as_slice());
+    let Ok(header) = reader.headers().cloned() else {
+        return columns;
+    };
+    let names = usize::from(header.get(0) == Some("sequence")) + 1;
+    for record in reader.records().flatten() {
+        let target = record.iter().take(names).collect::<Vec<_>>().join(" ");
+        for (label, cell) in header.iter().zip(record.iter()).skip(names) {
+            let Ok(value) = cell.parse() else { continue };
+            let (name, unit, _) = split_unit(label);
+            let column = columns.entry((None, name)).or_default();
+            column.0 = unit;
+            column.1.push((target.clone(), value));
+        }
+    }
+    columns
+}
+
 fn steps_of(side: &Side) -> Columns {
     let table = &side.metrics;
     let keys: Vec<String> = table
@@ -169,15 +211,23 @@ fn steps_of(side: &Side) -> Columns {
 
 fn paired(
     sides: &[Columns],
-    baseline: usize,
-    confidence: f64,
+    directions: &BTreeMap<String, Option<bool>>,
+    (baseline, confidence): (usize, f64),
     over: PairedOver,
 ) -> Vec<PairedNumber> {
     let number = |(key, (unit, theirs)): (&Key, &Column)| {
         let theirs: Values = theirs.iter().cloned().collect();
+        let better = directions
+            .get(&key.1)
+            .copied()
+            .unwrap_or_else(|| higher_is_better(&key.1));
         let difference = |(index, side): (usize, &Columns)| {
             let (_, ours) = side.get(key).filter(|_| index != baseline)?;
-            difference(ours, &theirs, confidence, over)
+            let found = difference(ours, &theirs, confidence, over)?;
+            Some(PairedDifference {
+                verdict: verdict(found.interval, better),
+                ..found
+            })
         };
         let differences: Vec<_> = sides.iter().enumerate().map(difference).collect();
         let mean = |side: &Columns| {
@@ -200,6 +250,7 @@ fn paired(
                 cell,
                 over,
                 unit: unit.clone(),
+                higher_is_better: better,
                 means,
                 differences,
             })
@@ -229,6 +280,23 @@ fn difference(
         interval: stats::t_interval(&values, confidence),
         smaller: count(|pair| *pair < 0.0),
         larger: count(|pair| *pair > 0.0),
+        verdict: None,
+    })
+}
+
+fn verdict(
+    interval: Option<Interval>,
+    higher_is_better: Option<bool>,
+) -> Option<DifferenceVerdict> {
+    let (interval, higher_is_better) = (interval?, higher_is_better?);
+    let is_larger = interval.low > 0.0;
+    if !is_larger && interval.high >= 0.0 {
+        return Some(DifferenceVerdict::NotSignificant);
+    }
+    Some(if is_larger == higher_is_better {
+        DifferenceVerdict::Better
+    } else {
+        DifferenceVerdict::Worse
     })
 }
 
@@ -332,6 +400,22 @@ fn request_differences(sides: &[Side]) -> Vec<RequestDifference> {
     pointers.into_iter().filter_map(row).collect()
 }
 
+/// Two trackers on one truth are compared: what is judged may differ there.
+fn reads_other_data(side: &Side, other: &Side) -> bool {
+    let parts = |name: &str| (side.spec.get(name), other.spec.get(name));
+    if let (Some(ours), Some(theirs)) = parts("truth") {
+        let (input, other) = parts("input");
+        return ours != theirs || (input.is_some() && other.is_some() && input != other);
+    }
+    for name in ["input", "truth", "tracks", "sequences", "base"] {
+        let (ours, theirs) = parts(name);
+        if ours != theirs {
+            return true;
+        }
+    }
+    false
+}
+
 fn notes(sides: &[Side]) -> Vec<String> {
     let mut notes = Vec::new();
     if sides.iter().any(|side| side.job.kind != sides[0].job.kind) {
@@ -340,10 +424,7 @@ fn notes(sides: &[Side]) -> Vec<String> {
     if sides.iter().any(|side| side.job.seed != sides[0].job.seed) {
         notes.push("the jobs have different seeds: what was drawn differs, so that pairs are not of the same scene".to_owned());
     }
-    let inputs = |side: &Side| {
-        ["input", "truth", "tracks", "sequences", "base"].map(|name| side.spec.get(name).cloned())
-    };
-    if sides.iter().any(|side| inputs(side) != inputs(&sides[0])) {
+    if sides.iter().any(|side| reads_other_data(side, &sides[0])) {
         notes.push(
             "the jobs read different data or scenes: see where the requests differ".to_owned(),
         );

@@ -73,7 +73,7 @@ impl MetricTable {
 }
 
 /// `gospa.missed [m]` in its name and its unit.
-fn split_unit(label: &str) -> (String, String, Vec<Option<f64>>) {
+pub(super) fn split_unit(label: &str) -> (String, String, Vec<Option<f64>>) {
     let (name, unit) = label
         .strip_suffix(']')
         .and_then(|label| label.split_once(" ["))

@@ -18,7 +18,8 @@
 //!    by βⱼ / r' and β₀ m / r', which sum to 1.
 //! 4. A hard association says nothing of how sure it is, so r' = r Λ / (1 − r + r Λ) with Λ = P_D N / λ of the chosen detection
 //!    or 1 − P_D P_G. With one candidate this is step 3 where the detection is the track's or clutter.
-//! 5. A new track of one detection has r = (1 + b) / (2 + b + c): how often such a detection was a target.
+//! 5. A new track of one detection has r = (1 + b) / (2 + b + c): how often such a detection was a target; at least twice what deletes
+//!    a track, so that targets are found after long clutter.
 //!
 //! A sensor that is not taken to see a track ([`super::lifecycle`]) says nothing by a miss: then m = r.
 

@@ -127,10 +127,13 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         self.memory.push(track, belief);
     }
 
-    /// A detection that is the first of a track, which is as probable as such tracks were so far.
+    /// A detection that is the first of a track, which is as probable as such tracks were so far; never so little that the track is
+    /// over before its second scan, for then nothing would begin after clutter alone.
     fn first_glance(&self, time_s: f64, sensor: usize) -> Glance {
+        let rule = self.lifecycle.existence_rule();
+        let least = rule.map_or(0.0, |rule| 2.0 * rule.delete_existence);
         Glance {
-            existence: Some(self.memory.counted.existence()),
+            existence: Some(self.memory.counted.existence().max(least)),
             ..Glance::first(time_s, sensor)
         }
     }

@@ -28,6 +28,7 @@
 use super::confirmation::{CONFIRMATION, Confirmation, Score};
 use super::existence::{ExistenceRule, by_ratio, survival};
 use super::initiation::{INITIATION, Initiation};
+use super::twins::{MERGING, Merging};
 use super::undetected::UNDETECTED;
 use crate::model::track::TrackStatus;
 use crate::registry::{Kind, Object, above, check, default, optional, whole};
@@ -113,6 +114,11 @@ pub static LIFECYCLE: Object = Object {
             "Whether each estimate is made once more in the light of later scans: smoothed_tracks.csv beside tracks.csv, and the metrics of both.",
             Kind::Union(&SMOOTHING),
         ),
+        optional(
+            "merging",
+            "Two confirmed tracks on one target become one; never when absent.",
+            Kind::Object(&MERGING),
+        ),
     ],
 };
 
@@ -131,6 +137,8 @@ pub struct Lifecycle {
     #[serde(default = "assumed_speed_sigma_mps")]
     pub initial_speed_sigma_mps: f64,
     pub smoothing: Option<Smoothing>,
+    #[serde(default)]
+    pub merging: Option<Merging>,
 }
 
 /// As a request that says nothing has it.
@@ -313,6 +321,15 @@ impl Lifecycle {
         }
     }
 
+    /// The same for a track whose beginning is decided already: its existence ends it at no scan before.
+    pub(super) fn forbearing(&self) -> Lifecycle {
+        let mut lifecycle = *self;
+        if let Confirmation::Existence(rule) = &mut lifecycle.confirmation {
+            rule.delete_existence = 0.0;
+        }
+        lifecycle
+    }
+
     /// Whether tracks are judged by their score.
     pub(super) fn is_scored(&self) -> bool {
         matches!(self.confirmation, Confirmation::Score(_))
@@ -383,6 +400,15 @@ impl TrackLifecycleState {
     /// Ends the track with this scan.
     pub(super) fn end(&mut self) {
         self.is_over = true;
+    }
+
+    /// Ends the track with this scan, for its target has another one; `false` of one that never ends.
+    pub(super) fn merge(&mut self) -> bool {
+        self.is_over = !self.is_permanent;
+        if self.is_over {
+            self.existence = 0.0;
+        }
+        self.is_over
     }
 
     pub(super) fn is_over(&self) -> bool {

@@ -14,6 +14,7 @@ mod members;
 pub mod multi_scan;
 mod scratch;
 mod sight;
+pub mod twins;
 pub mod undetected;
 mod update;
 mod written;
@@ -40,6 +41,7 @@ use lifecycle::{LIFECYCLE, Lifecycle, TrackLifecycleState};
 use multi_scan::Beginnings;
 use scratch::Scratch;
 use sight::{highest_p_d, new_map};
+use twins::Pair;
 use undetected::{Intensity, Undetected};
 
 const NAME: &str = "single_hypothesis";
@@ -95,6 +97,8 @@ struct Memory<B, const K: usize> {
     counted: Counted,
     /// Bearings that no track used, of the last scan of each sensor.
     rays: Vec<Vec<Ray>>,
+    /// Tracks that may be one, by serial.
+    twins: Vec<Pair>,
     nis: Nis,
     /// One bit a sensor: which of them ever detected a confirmed track.
     finders: u64,
@@ -164,6 +168,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 intensity: Intensity::default(),
                 counted: Counted::default(),
                 rays: Vec::new(),
+                twins: Vec::new(),
                 nis: Nis::default(),
                 finders: 0,
                 maps: parts.sensors.iter().map(new_map).collect(),
@@ -301,6 +306,7 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
             self.hypothesise(part, (scan, &report, &step), watch)?;
             self.associate(is_confirmed, scan, recorder, watch)?;
             if is_confirmed {
+                self.merge_twins(scan.time_s, recorder, watch)?;
                 self.count_left(scan);
                 self.learn_clutter(scan);
             }

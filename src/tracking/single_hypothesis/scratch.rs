@@ -1,6 +1,6 @@
 //! Memory that the tracker writes anew at each scan.
 
-use super::multi_scan::{Past, Ways};
+use super::multi_scan::{Choice, Ways};
 use super::undetected::Newborn;
 use crate::association::Needs;
 use crate::association::problem::Weights;
@@ -25,7 +25,7 @@ pub(super) struct Scratch<F: Filter<K>, const K: usize> {
     pub newborn: Vec<Newborn<F::Belief, K>>,
     /// Of tracks that begin over several scans.
     pub ways: Ways<F, K>,
-    pub past: Vec<Past<F::Belief>>,
+    pub choice: Choice<F::Belief>,
 }
 
 impl<F: Filter<K>, const K: usize> Scratch<F, K> {
@@ -41,7 +41,7 @@ impl<F: Filter<K>, const K: usize> Scratch<F, K> {
             left: Vec::new(),
             newborn: Vec::new(),
             ways: Ways::new(gate_probability, needs),
-            past: Vec::new(),
+            choice: Choice::default(),
         }
     }
 

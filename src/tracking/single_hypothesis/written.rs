@@ -5,6 +5,7 @@ use super::existence::Counted;
 use super::initiation::{Initiator, Point, Waiting};
 use super::lifecycle::TrackLifecycleState;
 use super::multi_scan::{Beginnings, WrittenBeginnings};
+use super::twins::Pair;
 use super::undetected::{Intensity, WrittenIntensity};
 use super::{ActiveTrack, Memory};
 use crate::association::Associator;
@@ -38,6 +39,8 @@ struct Written {
     /// Of each sensor.
     #[serde(default)]
     rays: Vec<Vec<WrittenRay>>,
+    #[serde(default)]
+    twins: Vec<Pair>,
     nis: Nis,
     finders: u64,
     /// The map of clutter of each sensor that learns one.
@@ -101,6 +104,7 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
             .iter()
             .map(|rays| rays.iter().map(write_ray).collect())
             .collect(),
+        twins: memory.twins.clone(),
         nis: memory.nis,
         finders: memory.finders,
         maps: memory
@@ -143,6 +147,7 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
             .ok_or_else(|| refuse(&"an intensity"))?,
         counted: written.counted,
         rays: Vec::with_capacity(written.rays.len()),
+        twins: written.twins,
         nis: written.nis,
         finders: written.finders,
         maps: learnt,

@@ -10,7 +10,7 @@ import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { HeadRow, hiddenHead, numberHead, TableScroll } from "../components/table-parts";
-import { count, duration, intervalText, moment, number } from "../format";
+import { count, duration, intervalText, moment, number, words } from "../format";
 import { pageHref, param, setParams } from "../state/url";
 import { Overlay } from "./compare-overlay";
 
@@ -264,8 +264,6 @@ function Head({ comparison, first }: { comparison: Comparison; first: string }):
   );
 }
 
-const OVER = { runs: "runs", steps: "steps" } as const;
-
 function pairedTable(comparison: Comparison, rows: Comparison["paired"]): TableData {
   const lines = rows.flatMap((row) =>
     row.differences.flatMap((difference, index): Cell[][] =>
@@ -323,9 +321,10 @@ function Differences({ comparison }: { comparison: Comparison }): JSX.Element | 
   );
   const note = (
     <p class="muted small frame-note">
-      Each job less {base}, pair by pair: over the runs of campaigns, over the times at which truth
-      and tracks were compared. {number(comparison.confidence * 100)} % interval; times follow each
-      other, so theirs is from the means of batches. A filled bar does not touch zero.
+      Each job less {base}, pair by pair: over the runs of campaigns, over targets, over the times
+      at which truth and tracks were compared. {number(comparison.confidence * 100)} % interval;
+      times follow each other, so theirs is from the means of batches. A filled bar does not touch
+      zero.
     </p>
   );
   return (
@@ -357,7 +356,7 @@ function pairedRows(comparison: Comparison, row: Comparison["paired"][number]): 
             </th>
             <td title={named(comparison, index)}>{letter(index)}</td>
             <td class="num">
-              {count(difference.pairs)} <span class="sub">{OVER[row.over]}</span>
+              {count(difference.pairs)} <span class="sub">{row.over}</span>
             </td>
             <td class="num">{number(difference.mean)}</td>
             <td class="num">{difference.interval ? intervalText(difference.interval) : "–"}</td>
@@ -365,6 +364,7 @@ function pairedRows(comparison: Comparison, row: Comparison["paired"][number]): 
               {difference.interval ? (
                 <IntervalBar mean={difference.mean} span={difference.interval} scale={scale} />
               ) : null}
+              {difference.verdict ? <span class="sub">{words(difference.verdict)}</span> : null}
             </td>
             <td class="num">{count(difference.smaller)}</td>
             <td class="num">{count(difference.larger)}</td>

@@ -2,9 +2,12 @@
 
 use serde_json::Value;
 use trackloom_domain::evaluation::EvaluationInput;
-use trackloom_domain::evaluation::comparison::{Alignment, Comparison, PointSettings};
+use trackloom_domain::evaluation::comparison::{Comparison, PointSettings};
+use trackloom_domain::evaluation::credit::Credit;
 use trackloom_domain::evaluation::events::EventLog;
 use trackloom_domain::evaluation::metrics::{METRIC, METRICS, Metric, MetricReport, Sequence};
+use trackloom_domain::evaluation::paths::Alignment;
+use trackloom_domain::evaluation::steps::StepSettings;
 use trackloom_domain::model::space::Space;
 use trackloom_domain::model::state::upper_triangle;
 use trackloom_domain::model::state::{Covariance, Position, State};
@@ -20,6 +23,7 @@ pub type Row<'a> = (f64, &'a str, f64, f64, f64, f64);
 pub struct Scene {
     pub truth: TruthSet,
     pub tracks: TrackSet,
+    pub steps: StepSettings,
 }
 
 impl Scene {
@@ -27,6 +31,7 @@ impl Scene {
         Scene {
             truth: truth_set(truth),
             tracks: track_set(tracks),
+            steps: StepSettings::default(),
         }
     }
 
@@ -37,10 +42,13 @@ impl Scene {
 
     pub fn compare(&self, gate_m: f64, reach_m: f64) -> Comparison {
         let settings = PointSettings {
-            alignment: Alignment::Interpolate { max_gap_s: 5.0 },
+            alignment: Alignment::Interpolate {
+                max_gap_s: Some(5.0),
+            },
             gate_m,
             reach_m: reach_m.max(gate_m),
-            time_tolerance_s: None,
+            steps: self.steps,
+            credit: Credit::Afterwards,
         };
         Comparison::of_points(&self.input(), &self.truth, &settings)
     }

@@ -48,6 +48,7 @@ fn turned(scene: &Scene, turn: &Rotation3<f64>) -> Scene {
     Scene {
         truth: TruthSet::new(Space::Volume, targets).unwrap(),
         tracks,
+        steps: scene.steps,
     }
 }
 
@@ -133,6 +134,7 @@ fn where_only_one_side_has_heights_both_are_compared_in_the_plane() {
         let mixed = Scene {
             truth: flat.truth.clone(),
             tracks: high,
+            steps: flat.steps,
         };
         for method in METRICS {
             let spec = json!({"metric": method.name});

@@ -1,7 +1,7 @@
 //! Numbers made again from the files of a job, as its report says (`from`), by what a reader of the files has: their text.
 
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use trackloom_domain::experiment::Outcome;
 
 struct Table {
@@ -176,6 +176,15 @@ impl Metric<'_> {
             })
         });
         let Some(column) = entry["column"].as_str() else {
+            if entry["statistic"] == "count_steps" {
+                let step = |row: &Vec<String>| {
+                    (
+                        self.files.sequence_of(table, row),
+                        row[table.place("step")].clone(),
+                    )
+                };
+                return Some(rows.map(step).collect::<BTreeSet<_>>().len() as f64);
+            }
             assert_eq!(entry["statistic"], "count");
             return Some(rows.count() as f64);
         };

@@ -51,7 +51,7 @@ fn try_read(name: &str, said: &[(&str, Value)]) -> Option<Result<ReadOutcome, Ve
 }
 
 /// Reads a file that is sound, whose units all have one fate.
-fn read(name: &str, said: &[(&str, Value)]) -> Option<ReadOutcome> {
+pub(crate) fn read(name: &str, said: &[(&str, Value)]) -> Option<ReadOutcome> {
     let read = try_read(name, said)?.unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
     let units = &read.units;
     assert_eq!(

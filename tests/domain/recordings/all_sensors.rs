@@ -52,7 +52,7 @@ fn judgement() -> Value {
         "tracks": {"source": "dataset", "dataset_id": "tracks", "sensor_ids": STARTING},
         "truth": {"source": "dataset", "dataset_id": "truth"},
         "detections": {"source": "dataset", "dataset_id": "detections", "sensor_ids": STARTING},
-        "comparison": {"gate_m": 30.0},
+        "comparison": {"gate_m": 30.0, "credit": "afterwards"},
         "metrics": [{"metric": "gospa", "cutoff_m": 30.0}, {"metric": "clear"}, {"metric": "kinematics"}]
     })
 }

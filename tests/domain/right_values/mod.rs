@@ -1,10 +1,13 @@
 //! Numbers that have one right value, worked by hand or by another program, and warnings that say what a number cannot.
 
 mod apart;
+mod confirmed_late;
 mod correlation;
+mod directions;
 mod noise;
 mod precise_sensor;
 mod scans;
+mod steps;
 mod zeros;
 
 use crate::origins::jobs::Texts;
@@ -45,6 +48,10 @@ fn judged(truth: &str, tracks: &str, settings: Value) -> Outcome {
         .unwrap()
         .extend(settings.as_object().unwrap().clone());
     texts.judge(&body).unwrap()
+}
+
+fn metrics(names: &[&str]) -> Value {
+    names.iter().map(|name| json!({"metric": name})).collect()
 }
 
 fn quantity(outcome: &Outcome, metric: &str, name: &str) -> f64 {
@@ -109,7 +116,7 @@ fn a_segment_ends_where_the_track_is_not_there() {
 }
 
 #[test]
-fn a_track_at_every_third_step_is_never_away() {
+fn a_track_at_every_third_step_is_away_for_two_in_a_row() {
     let step = |time: u32| (f64::from(time), f64::from(time), 0.0);
     let of = |first: u32| {
         (first..21)
@@ -118,13 +125,15 @@ fn a_track_at_every_third_step_is_never_away() {
             .map(move |(time_s, x_m, y_m)| format!("{time_s},{first},{x_m},{y_m}"))
     };
     let tracks = table("time_s,track_id,x_m,y_m", (0..3).flat_map(of));
-    let metric = json!({"metric": "siap", "confirm_steps": 1, "end_steps": 1});
-    let outcome = judged(
-        &truth_of((0..21).map(step)),
-        &tracks,
-        json!({"comparison": {"gate_m": 10.0}, "metrics": [metric]}),
-    );
-    assert!((quantity(&outcome, "siap", "longest_segment") - 18.0 / 20.0).abs() < 1e-12);
+    for (end_steps, segment) in [(2, 0.0), (3, 18.0 / 20.0)] {
+        let metric = json!({"metric": "siap", "confirm_steps": 1, "end_steps": end_steps});
+        let outcome = judged(
+            &truth_of((0..21).map(step)),
+            &tracks,
+            json!({"comparison": {"gate_m": 10.0}, "metrics": [metric]}),
+        );
+        assert!((quantity(&outcome, "siap", "longest_segment") - segment).abs() < 1e-12);
+    }
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn passing(filter: Value, has_rates: bool) -> Outcome {
     let body = json!({
         "input": texts.dataset(&detections), "truth": texts.dataset(&truth_of((0..30).map(place))), "sensors": [sensor],
         "associator": {"method": "global_nearest_neighbour"}, "filter": filter, "tracker": {"initial_speed_sigma_mps": 60.0},
-        "metrics": [{"metric": "clear"}, {"metric": "kinematics"}], "comparison": {"gate_m": 1.0}
+        "metrics": [{"metric": "clear"}, {"metric": "kinematics"}], "comparison": {"gate_m": 1.0, "credit": "afterwards"}
     });
     texts.judge(&body).unwrap()
 }

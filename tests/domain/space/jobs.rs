@@ -52,7 +52,7 @@ fn slant_job(change: impl FnOnce(&mut Value)) -> Outcome {
         "filter": {"method": "extended", "process_noise_m2ps3": 5},
         "tracker": {"initial_speed_sigma_mps": 250},
         "metrics": [{"metric": "clear"}, {"metric": "kinematics"}],
-        "comparison": {"gate_m": 6000}
+        "comparison": {"gate_m": 6000, "credit": "afterwards"}
     });
     change(&mut body);
     texts.run(JobKind::Evaluate, &body).unwrap()
@@ -204,7 +204,7 @@ fn a_very_precise_sensor_keeps_one_track() {
             "filter": {"method": filter, "process_noise_m2ps3": 0},
             "tracker": {"initial_speed_sigma_mps": 60},
             "metrics": [{"metric": "clear"}],
-            "comparison": {"gate_m": 1}
+            "comparison": {"gate_m": 1, "credit": "afterwards"}
         });
         let outcome = texts.run(JobKind::Evaluate, &body).unwrap();
         let counts = ["tp", "fn", "fp"].map(|count| value(&outcome, "clear", count));

@@ -174,7 +174,7 @@ fn every_setting_that_makes_no_sense_is_named() {
         let settings = TfaSettings {
             symbols: SymbolRule::NearestTruth {
                 gate_m,
-                max_gap_s: 1.0,
+                max_gap_s: Some(1.0),
             },
             ..TfaSettings::PAPER
         };

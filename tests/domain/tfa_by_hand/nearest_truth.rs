@@ -16,7 +16,10 @@ fn evaluate(
     max_gap_s: f64,
 ) -> TfaReport {
     let settings = TfaSettings {
-        symbols: SymbolRule::NearestTruth { gate_m, max_gap_s },
+        symbols: SymbolRule::NearestTruth {
+            gate_m,
+            max_gap_s: Some(max_gap_s),
+        },
         ..TfaSettings::PAPER
     };
     evaluate_temporal_automaton(
@@ -37,10 +40,14 @@ fn empty_scans(count: usize) -> Recording {
 
 #[test]
 fn truth_is_interpolated_between_its_points_up_to_a_gap() {
-    let truth = truth_set(&[(
-        "A",
-        &[(0.0, 0.0, 0.0), (20.0, 200.0, 0.0), (50.0, 500.0, 0.0)],
-    )]);
+    // B, far away, makes 10 s a step.
+    let truth = truth_set(&[
+        (
+            "A",
+            &[(0.0, 0.0, 0.0), (20.0, 200.0, 0.0), (50.0, 500.0, 0.0)],
+        ),
+        ("B", &[(10.0, 0.0, 9e5)]),
+    ]);
     let tracks = tracks_at(&[(
         "1",
         &[
@@ -56,7 +63,7 @@ fn truth_is_interpolated_between_its_points_up_to_a_gap() {
         (report.targets[0].symbols, report.targets[0].log_probability),
         (4, Some(0.0))
     );
-    assert_sets(&report, [1, 0, 0], [Some(1.0), Some(0.0), Some(0.0)]);
+    assert_sets(&report, [1, 1, 0], [Some(1.0), Some(0.5), Some(0.0)]);
 
     let report = evaluate(None, &truth, &tracks, 5.0, 19.0);
     assert_eq!(
@@ -83,7 +90,7 @@ fn a_track_that_ends_before_its_target_is_not_correct() {
     let report = evaluate(None, &truth, &tracks, 5.0, 20.0);
     assert_eq!(
         target(&report, "A"),
-        "A false at 4: expected A, took null (ended), track 1; errors 1"
+        "A false at 3: expected A, took null (ended), track 1; errors 1"
     );
 }
 
@@ -175,10 +182,8 @@ fn the_scans_of_a_recording_are_the_axis() {
     );
     assert_eq!(
         report.warnings,
-        [
-            "1 target(s) exist at no scan of the recording and were left out",
-            "1 track point(s) belong to no scan and were left out, first: track '1' at 17 s"
-        ]
+        ["1 target(s) exist at no scan of the recording and were left out"],
+        "17 s belongs to the scan at 16 s, which has a nearer point"
     );
 }
 

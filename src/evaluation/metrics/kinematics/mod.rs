@@ -189,7 +189,8 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
             find(&comparison.truths, &step.truths, event.truth?)?,
             find(&comparison.tracks, &step.tracks, event.track?)?,
         );
-        let (truth, track) = (&comparison.truths[places.0], &comparison.tracks[places.1]);
+        let truth = comparison.truth_beside(places.0, places.1);
+        let track = &comparison.tracks[places.1];
         let places = (places.0 as u32, places.1 as u32);
         let error_m = track.position_m - truth.position_m;
         let error_mps = track

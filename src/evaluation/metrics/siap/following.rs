@@ -5,12 +5,10 @@
 //! 2. The same candidate `confirm_steps` times in a row: the track follows it, from the first of these steps on.
 //! 3. Another candidate or none `end_steps` times in a row: it followed up to the last step at which the candidate was its.
 //!    Steps in between count as followed, whatever the distance.
-//! 4. A track that is absent has no candidate: once for each of its usual gaps that an absence leaves out. The usual gap, in steps,
-//!    is the 75 % quantile of those of the track, or of all tracks where it has fewer than four; so a track that is there at
-//!    every third step alone is not absent.
+//! 4. A track that is absent at a step has no candidate there. Steps at which nothing is due are no steps of which it could be absent.
 
 use super::{Compat, SiapSettings};
-use crate::evaluation::comparison::Comparison;
+use crate::evaluation::comparison::{ComparedStep, Comparison};
 
 /// An unbroken stretch of following, by the steps at its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,17 +31,12 @@ pub fn follow(comparison: &Comparison, settings: &SiapSettings) -> Following {
     let mut pieces = Vec::new();
     let mut truth_of = vec![None; comparison.tracks.len()];
     let sightings = sightings(comparison);
-    let usual_of_all = usual_gap(sightings.iter().map(Vec::as_slice));
+    let places = places_of_due(comparison);
     for (track, sightings) in sightings.iter().enumerate() {
         let first = pieces.len();
-        let usual_gap = if sightings.len() > FEWEST_GAPS {
-            usual_gap([sightings.as_slice()].into_iter())
-        } else {
-            usual_of_all
-        };
         let rule = Rule {
             settings,
-            usual_gap,
+            places: &places,
         };
         follow_one(track as u32, sightings, &nearest, &rule, &mut pieces);
         let mut of_track = pieces[first..].iter().peekable();
@@ -58,33 +51,28 @@ pub fn follow(comparison: &Comparison, settings: &SiapSettings) -> Following {
     Following { pieces, truth_of }
 }
 
-/// A track with fewer gaps does not show a usual one.
-const FEWEST_GAPS: usize = 4;
-
-/// What makes a track follow a target, and how often it is there.
+/// What makes a track follow a target.
 struct Rule<'s> {
     settings: &'s SiapSettings,
-    /// In steps.
-    usual_gap: usize,
+    /// Of each step, how many steps at which something may be due come before the next one.
+    places: &'s [usize],
 }
 
 impl Rule<'_> {
-    /// How often a track that was there at two steps, and not between them, was absent.
+    /// At how many steps a track was absent that was there at two, and not between them.
     fn absences(&self, from: usize, to: usize) -> u32 {
-        let gaps = (to - from + self.usual_gap / 2) / self.usual_gap;
-        u32::try_from(gaps.saturating_sub(1)).unwrap_or(u32::MAX)
+        let between = self.places[to].saturating_sub(self.places[from] + 1);
+        u32::try_from(between).unwrap_or(u32::MAX)
     }
 }
 
-/// The smallest gap that at least 75 % of all do not exceed; 1 where there is none.
-fn usual_gap<'s>(tracks: impl Iterator<Item = &'s [(usize, usize)]>) -> usize {
-    let mut gaps: Vec<usize> = tracks
-        .flat_map(|sightings| sightings.windows(2).map(|pair| pair[1].0 - pair[0].0))
-        .collect();
-    gaps.sort_unstable();
-    gaps.get((3 * gaps.len()).div_ceil(4).saturating_sub(1))
-        .copied()
-        .unwrap_or(1)
+fn places_of_due(comparison: &Comparison) -> Vec<usize> {
+    let mut passed = 0;
+    let place_of = |step: &ComparedStep| {
+        passed += usize::from(!step.is_extra);
+        passed
+    };
+    comparison.steps.iter().map(place_of).collect()
 }
 
 /// For each track its steps, each with the index of its presence.

@@ -194,9 +194,9 @@ impl Counts {
         for_each_following(comparison, step, following, |truth, track, is_first| {
             counts.tracked += f64::from(u8::from(is_first));
             counts.following += 1.0;
-            let (truth, track) = (&comparison.truths[truth], &comparison.tracks[track]);
-            counts.position_m += position_error_m(truth, track);
-            if let Some(error_mps) = velocity_error_mps(truth, track) {
+            let (truth, track) = beside(comparison, truth, track);
+            counts.position_m += position_error_m(&truth, &track);
+            if let Some(error_mps) = velocity_error_mps(&truth, &track) {
                 counts.with_velocity += 1.0;
                 counts.velocity_mps += error_mps;
             }
@@ -282,6 +282,14 @@ fn for_each_following(
     }
 }
 
+/// A truth and a track of one step, both at the time of the track.
+fn beside(comparison: &Comparison, truth: usize, track: usize) -> (Presence, Presence) {
+    (
+        comparison.truth_beside(truth, track),
+        comparison.tracks[track],
+    )
+}
+
 fn position_error_m(truth: &Presence, track: &Presence) -> f64 {
     (track.position_m - truth.position_m).norm()
 }
@@ -300,14 +308,11 @@ fn pair_columns(comparison: &Comparison, following: &Following) -> Vec<PairColum
             step,
             following,
             |truth_place, track_place, is_first| {
-                let (truth, track) = (
-                    &comparison.truths[truth_place],
-                    &comparison.tracks[track_place],
-                );
+                let (truth, track) = beside(comparison, truth_place, track_place);
                 let cell = |value: f64| (truth_place as u32, track_place as u32, value);
                 tracked.extend(is_first.then(|| cell(1.0)));
-                position.push(cell(position_error_m(truth, track)));
-                velocity.extend(velocity_error_mps(truth, track).map(cell));
+                position.push(cell(position_error_m(&truth, &track)));
+                velocity.extend(velocity_error_mps(&truth, &track).map(cell));
             },
         );
     }

@@ -14,7 +14,7 @@
 //! 2. [`problem`] cuts it into clusters that do not touch; [`exact`] solves each by dynamic programming; what is too
 //!    entangled for that, [`linear_programme`] bounds from below and [`feasible`] from above. The report says which was used, both
 //!    bounds, and their difference as the gap, which is 0 for an exact value.
-//! 3. Several sequences add up their p-th powers. `t_gospa_per_step` is (T-GOSPAᵖ / steps)^(1/p).
+//! 3. Several sequences add up their p-th powers. `t_gospa_per_step` is (T-GOSPAᵖ / n)^(1/p), n steps at which a target is due.
 
 mod exact;
 mod feasible;
@@ -25,9 +25,9 @@ mod trace;
 use self::problem::{Solution, Tally, clusters};
 use super::cutoff::{CUTOFF_M, Cutoff, ORDER};
 use super::origin::{
-    Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
+    DUE_STEPS, Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
-use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
+use super::{BuildMetric, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence, Series};
 use crate::evaluation::comparison::Comparison;
 use crate::model::space::Space;
 use crate::model::watch::Watch;
@@ -70,6 +70,7 @@ struct Total {
     truths: f64,
     tracks: f64,
     steps: f64,
+    due_steps: f64,
     exact: usize,
     /// Clusters by linear programming: with whole numbers, and with fractions or cut into blocks.
     whole: usize,
@@ -134,6 +135,7 @@ impl TGospa {
             TRUTH_POINTS,
             TRACK_POINTS,
             STEPS,
+            DUE_STEPS,
             Origin::rows("matched_points", Statistic::Sum, PAIRS, "share"),
             Origin::terms("missed_points", &["truth_points", "-matched_points"]),
             Origin::terms("false_points", &["track_points", "-matched_points"]),
@@ -143,7 +145,7 @@ impl TGospa {
             Origin::terms("false", &["false_points"]).times(half),
             Origin::terms("switching", &["switches"]).times(self.cutoff.powers(self.penalty())),
             Origin::terms("t_gospa", PARTS).root(self.cutoff.p),
-            Origin::ratio("t_gospa_per_step", PARTS, &["steps"]).root(self.cutoff.p),
+            Origin::ratio("t_gospa_per_step", PARTS, &["due_steps"]).root(self.cutoff.p),
         ]
     }
 
@@ -170,6 +172,7 @@ impl TGospa {
         total.truths += comparison.truths.len() as f64;
         total.tracks += comparison.tracks.len() as f64;
         total.steps += comparison.steps.len() as f64;
+        total.due_steps += comparison.due_steps() as f64;
         for cluster in clusters(comparison, self.cutoff) {
             if let Some(solution) = exact::solve(&cluster, self.penalty(), watch) {
                 total.solution.add(solution);
@@ -233,10 +236,11 @@ impl TGospa {
             |name, value: f64, unit| Quantity::or(name, has_value.then_some(value), unit, reason);
         let mut quantities = vec![
             some("t_gospa", cutoff.metres(sum), "m"),
-            some(
+            Quantity::or(
                 "t_gospa_per_step",
-                cutoff.metres(sum / total.steps.max(1.0)),
+                (has_value && total.due_steps > 0.0).then(|| cutoff.metres(sum / total.due_steps)),
                 "m",
+                if has_value { NOTHING_DUE } else { reason },
             ),
         ];
         let (lower, upper) = (cutoff.metres(sum), cutoff.metres(sum + total.slack));
@@ -258,6 +262,7 @@ impl TGospa {
             some("false_points", unwanted, ""),
             some("switches", switches, ""),
             Quantity::new("steps", total.steps, ""),
+            Quantity::new("due_steps", total.due_steps, ""),
             Quantity::new("clusters_exact", total.exact as f64, ""),
             Quantity::new("clusters_linear_programme_whole", total.whole as f64, ""),
             Quantity::new("clusters_linear_programme_bound", total.bounded as f64, ""),

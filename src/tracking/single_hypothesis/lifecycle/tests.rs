@@ -14,6 +14,7 @@ const LIFE: Lifecycle = Lifecycle {
     max_position_sigma_m: None,
     initial_speed_sigma_mps: 1.0,
     smoothing: None,
+    merging: None,
 };
 
 fn statuses(lifecycle: &Lifecycle, detected: &str) -> String {

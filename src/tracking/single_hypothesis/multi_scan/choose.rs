@@ -1,6 +1,7 @@
 //! Which beginnings become tracks, and what is told of their past: steps 3 and 4 of [`super`].
 
-use super::ways::{Past, Rules};
+use super::choice::Past;
+use super::ways::Rules;
 use super::{Layer, MultiScan, OfSensor};
 use crate::filtering::Filter;
 use crate::model::track::Candidate;
@@ -38,19 +39,21 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                 highest_p_d: self.highest_p_d,
                 max_speed_mps: self.max_speed_mps(rule),
             };
-            waiting.counts.cut += self.scratch.ways.expand(&rules, waiting, watch)?;
-            let packing = self.scratch.ways.choose(rule, waiting.layers.len());
-            waiting.counts.inexact += u64::from(!packing.is_exact);
-            for &way in &packing.chosen {
-                let root = self.scratch.ways.detections(way)[0];
-                let is_due = is_last || root < firsts[1];
-                if is_due && self.begin_along(way, waiting, known_s, recorder) {
+            let mut choice = std::mem::take(&mut self.scratch.choice);
+            let ways = &mut self.scratch.ways;
+            ways.choose(&rules, waiting, &mut choice, watch)?;
+            waiting.counts.cut += choice.cut;
+            waiting.counts.inexact += u64::from(!choice.is_exact);
+            for (pasts, numbers) in choice.ways() {
+                let is_due = is_last || numbers[0] < firsts[1];
+                if is_due && self.begin_along(pasts, waiting, known_s, recorder) {
                     waiting.counts.begun += 1;
-                    for &number in self.scratch.ways.detections(way) {
+                    for &number in numbers {
                         used[number as usize] = true;
                     }
                 }
             }
+            self.scratch.choice = choice;
         }
         let oldest = waiting.layers[0].is_used.iter().zip(&used);
         let left = oldest.filter(|(was_used, is_used)| !**was_used && !**is_used);
@@ -62,26 +65,14 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     /// Step 4: a track that has lived through these scans. `false` where it would have ended on the way.
     fn begin_along(
         &mut self,
-        way: u32,
+        pasts: &[Past<F::Belief>],
         waiting: &OfSensor<K>,
         known_s: f64,
         recorder: &mut dyn Recorder,
     ) -> bool {
-        let mut past = std::mem::take(&mut self.scratch.past);
-        self.scratch.ways.tell(way, waiting.layers.len(), &mut past);
         let layer_of = |at: &Past<F::Belief>| &waiting.layers[at.layer as usize];
-        let steps: Vec<Step<F::Belief, K>> = past.iter().map(|at| (layer_of(at), at)).collect();
-        let has_begun = self.begin_through(&steps, known_s, recorder);
-        self.scratch.past = past;
-        has_begun
-    }
-
-    fn begin_through(
-        &mut self,
-        steps: &[Step<F::Belief, K>],
-        known_s: f64,
-        recorder: &mut dyn Recorder,
-    ) -> bool {
+        let steps: Vec<Step<F::Belief, K>> = pasts.iter().map(|at| (layer_of(at), at)).collect();
+        let steps = &steps[..];
         let lives = self.lives(steps);
         let (Some(life), Some((_, last))) = (lives.last(), steps.last()) else {
             return false;
@@ -109,10 +100,11 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     fn lives(&self, steps: &[Step<F::Belief, K>]) -> Vec<TrackLifecycleState> {
         let sensor = steps.first().map_or(0, |(layer, _)| layer.scan.sensor);
         let finds_targets = self.memory.finders & (1 << sensor.min(63)) != 0;
+        let lifecycle = self.lifecycle.forbearing();
         let mut lives: Vec<TrackLifecycleState> = Vec::with_capacity(steps.len());
         for (layer, at) in steps {
             let life = match lives.last() {
-                None => self.lifecycle.start(&Glance {
+                None => lifecycle.start(&Glance {
                     existence: Some(by_ratio(0.5, layer.log_odds)),
                     ..Glance::first(layer.scan.time_s, sensor)
                 }),
@@ -127,7 +119,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
                         log_ratio: at.log_ratio,
                         existence: None,
                     };
-                    self.lifecycle.advance(&mut life, &glance);
+                    lifecycle.advance(&mut life, &glance);
                     life
                 }
             };

@@ -1,9 +1,19 @@
 //! Which detections of a window a due root competes for, so that ways of the others need not be known.
 
+use super::node::Node;
 use super::threes::Three;
-use super::ways::Node;
 use super::{MultiScan, OfSensor};
 use crate::math::disjoint_sets;
+
+/// What a detection decides.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) enum Part {
+    #[default]
+    Nothing,
+    /// A beginning with others of which at most one is in a layer, and too few for two beginnings.
+    Lone,
+    Shared,
+}
 
 /// Which detections a due root competes for. Memory is reused, as all here.
 #[derive(Debug, Default)]
@@ -12,7 +22,12 @@ pub(super) struct Links {
     pub firsts: Vec<u32>,
     parents: Vec<u32>,
     is_due: Vec<bool>,
-    is_wanted: Vec<bool>,
+    /// Of each detection.
+    parts: Vec<Part>,
+    /// The ways of which are looked at.
+    pub part: Part,
+    /// Of each root of a tree of `parents` how many detections it has, and the layer of the last one; none where two are in one layer.
+    counts: Vec<(u32, Option<usize>)>,
     /// Their threes by number, in order.
     threes: Vec<[u32; 3]>,
     /// Where two detections are enough any may follow any.
@@ -36,8 +51,13 @@ impl Links {
         }
         self.is_free = rule.min_detections <= 2;
         self.threes.clear();
-        self.is_wanted.clear();
-        self.is_wanted.resize(total as usize, self.is_free);
+        self.parts.clear();
+        let part = if self.is_free {
+            Part::Shared
+        } else {
+            Part::Nothing
+        };
+        self.parts.resize(total as usize, part);
         if self.is_free {
             return true;
         }
@@ -74,12 +94,64 @@ impl Links {
             let numbers = self.numbers(&(index, three));
             if self.is_due[disjoint_sets::root(&mut self.parents, numbers[0]) as usize] {
                 for number in numbers {
-                    self.is_wanted[number as usize] = true;
+                    self.parts[number as usize] = Part::Shared;
                 }
                 self.threes.push(numbers);
             }
         }
         self.threes.sort_unstable();
+    }
+
+    /// Notes which of these are alone, where `fewer` of them would be two beginnings.
+    pub fn find_lone(&mut self, fewer: u32) {
+        self.counts.clear();
+        self.counts.resize(self.parts.len(), (0, Some(usize::MAX)));
+        if self.is_free {
+            return;
+        }
+        for layer in 0..self.firsts.len() - 1 {
+            for number in self.firsts[layer]..self.firsts[layer + 1] {
+                if self.parts[number as usize] != Part::Nothing {
+                    let root = disjoint_sets::root(&mut self.parents, number);
+                    let (count, last) = &mut self.counts[root as usize];
+                    *count += 1;
+                    *last = last.filter(|&last| last != layer).map(|_| layer);
+                }
+            }
+        }
+        for number in 0..self.parts.len() {
+            if self.parts[number] != Part::Nothing {
+                let root = disjoint_sets::root(&mut self.parents, number as u32);
+                let (count, last) = self.counts[root as usize];
+                if last.is_some() && count < fewer {
+                    self.parts[number] = Part::Lone;
+                }
+            }
+        }
+    }
+
+    pub fn has(&self, part: Part) -> bool {
+        self.parts.contains(&part)
+    }
+
+    /// How many detections are linked, of the first of them; none of another.
+    pub fn count_from(&self, number: u32) -> Option<u32> {
+        let is_first = self.parents[number as usize] == number;
+        is_first.then(|| self.counts[number as usize].0)
+    }
+
+    /// Those of a beginning that is chosen decide nothing more; the lone ones of which none is compete as all do.
+    pub fn settle(&mut self, chosen: &[u32]) {
+        for &number in chosen {
+            self.parts[number as usize] = Part::Nothing;
+        }
+    }
+
+    pub fn share_lone(&mut self) {
+        let parts = self.parts.iter_mut();
+        for part in parts.filter(|part| **part == Part::Lone) {
+            *part = Part::Shared;
+        }
     }
 
     fn numbers(&self, (index, three): &(usize, Three)) -> [u32; 3] {
@@ -90,7 +162,7 @@ impl Links {
 
     /// Whether something due competes for a detection.
     pub fn wants(&self, layer: usize, detection: usize) -> bool {
-        self.is_wanted[self.firsts[layer] as usize + detection]
+        self.parts[self.firsts[layer] as usize + detection] == self.part
     }
 
     /// Those that begin with a root.

@@ -28,8 +28,11 @@
 //! More than `max_nodes` threes of a scan, or ways of a choice, are cut: of threes the straightest, of each root the best ways go first.
 //! That is told.
 
+mod choice;
 mod choose;
 mod links;
+mod lone;
+mod node;
 mod threes;
 mod ways;
 mod written;
@@ -46,7 +49,8 @@ use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use threes::{Mark, Pairs, Search, Spread, Three};
 
-pub(super) use ways::{Past, Ways};
+pub(super) use choice::Choice;
+pub(super) use ways::Ways;
 pub(super) use written::WrittenBeginnings;
 
 /// Sets that are tried in a cluster of beginnings.

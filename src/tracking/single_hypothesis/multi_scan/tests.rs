@@ -247,6 +247,7 @@ fn parts(filter: AnyFilter, kind: Kind, rule: MultiScan, associator: &str) -> Tr
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 150.0,
             smoothing: None,
+            merging: None,
         },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),

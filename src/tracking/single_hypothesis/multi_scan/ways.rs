@@ -1,68 +1,26 @@
 //! The ways through the scans of a window: steps 1 and 2 of [`super`], for the detections that a due root competes for.
 
-use super::links::Links;
+use super::choice::{Choice, Chosen, Past};
+use super::links::{Links, Part};
+use super::lone::Bounds;
+use super::node::{self, Node, Way};
 use super::{Layer, MAX_STEPS, MultiScan, OfSensor, Point};
 use crate::association::Needs;
 use crate::filtering::Filter;
 use crate::hypotheses::{About, Hypotheses, Look, Only};
 use crate::math::gaussian::gate_threshold;
-use crate::math::set_packing::{self, Packing, Sets};
+use crate::math::set_packing::{self, Sets};
 use crate::model::sensor::Sensor;
 use crate::model::watch::{Halt, Watch};
 use crate::tracking::single_hypothesis::initiate::root_belief;
 use crate::tracking::single_hypothesis::initiation::reach_m;
 use crate::tracking::single_hypothesis::lifecycle::Lifecycle;
 
-/// A way, as far as a layer.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Node {
-    /// In the layer before; none of a root.
-    parent: Option<u32>,
-    /// The number of its root, its layer, and the detection there.
-    pub root: u32,
-    root_layer: u32,
-    first: u32,
-    /// The number of its second detection.
-    pub second: Option<u32>,
-    /// Of the root.
-    origin: Option<u32>,
-    /// Its index in its layer; none where the scan missed it.
-    detection: Option<u32>,
-    pub hits: u32,
-    /// Scans since the last detection.
-    gap: u32,
-    /// The number of the last detection that may be its next one, as long as it has fewer than three.
-    until: u32,
-    score: f64,
-    /// What the scan added to the score.
-    log_ratio: f64,
-    /// P_D there over the highest of the sensors.
-    share: f64,
-    nis: Option<f64>,
-    /// What is believed of it: its row of the layer's problem, and the edge of its detection.
-    row: u32,
-    edge: Option<u32>,
-}
-
 /// The ways as far as one layer, and what is believed of them; of the newest layer nothing yet.
 #[derive(Debug)]
 struct Stage<B> {
     nodes: Vec<Node>,
     beliefs: Vec<B>,
-}
-
-/// A point of a way.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::tracking::single_hypothesis) struct Past<B> {
-    /// Its layer.
-    pub layer: u32,
-    /// Its index in its scan; none where the scan missed it.
-    pub detection: Option<u32>,
-    pub origin: Option<u32>,
-    pub log_ratio: f64,
-    pub share: f64,
-    pub nis: Option<f64>,
-    pub belief: B,
 }
 
 /// What decides how ways go on.
@@ -90,7 +48,6 @@ pub(in crate::tracking::single_hypothesis) struct Ways<F: Filter<K>, const K: us
     leaves: Vec<u32>,
     sets: Sets,
     scores: Vec<f64>,
-    numbers: Vec<u32>,
 }
 
 impl<F: Filter<K>, const K: usize> Ways<F, K> {
@@ -111,7 +68,6 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
             leaves: Vec::new(),
             sets: Sets::default(),
             scores: Vec::new(),
-            numbers: Vec::new(),
         }
     }
 
@@ -125,11 +81,93 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
         &self.links.firsts
     }
 
-    /// Steps 1 and 2 through all layers. Tells how many ways were cut.
+    /// Step 3.
     ///
     /// # Errors
     /// When there are too many candidates, or the watch says to stop.
-    pub(super) fn expand(
+    pub(super) fn choose(
+        &mut self,
+        rules: &Rules<F>,
+        waiting: &OfSensor<K>,
+        choice: &mut Choice<F::Belief>,
+        watch: &Watch,
+    ) -> Result<(), Halt> {
+        choice.clear();
+        if let Some(bounds) = Bounds::of(rules, waiting) {
+            self.links.find_lone(2 * rules.rule.min_detections);
+            if self.links.has(Part::Lone) {
+                self.links.part = Part::Lone;
+                choice.cut += self.expand(rules, waiting, watch)?;
+                self.choose_lone(rules, (waiting, &bounds), choice);
+                self.links.share_lone();
+            }
+        }
+        if self.links.has(Part::Shared) {
+            self.links.part = Part::Shared;
+            choice.cut += self.expand(rules, waiting, watch)?;
+            self.choose_shared(rules.rule, waiting.layers.len(), choice);
+        }
+        let numbers = &choice.numbers;
+        choice.ways.sort_by_key(|way| numbers[way.numbers.start]);
+        Ok(())
+    }
+
+    /// The ways that nothing but parts of them competes with, as far as no part can be better.
+    fn choose_lone(
+        &mut self,
+        rules: &Rules<F>,
+        (waiting, bounds): (&OfSensor<K>, &Bounds),
+        choice: &mut Choice<F::Belief>,
+    ) {
+        let layers = waiting.layers.len();
+        for leaf in 0..self.stages[layers - 1].nodes.len() {
+            let node = self.stages[layers - 1].nodes[leaf];
+            let is_whole = self.links.count_from(node.root) == Some(node.hits);
+            if !is_whole || node.hits < rules.rule.min_detections {
+                continue;
+            }
+            let chosen = self.tell((layers, leaf), choice);
+            let pasts = &choice.pasts[chosen.pasts.clone()];
+            if bounds.are_parts_worse(pasts, waiting) {
+                self.links.settle(&choice.numbers[chosen.numbers.clone()]);
+                if node.score > 0.0 {
+                    choice.ways.push(chosen);
+                }
+            }
+        }
+    }
+
+    /// The heaviest packing of the ways as far as the newest layer.
+    fn choose_shared(&mut self, rule: &MultiScan, layers: usize, choice: &mut Choice<F::Belief>) {
+        self.leaves.clear();
+        self.sets.clear();
+        self.scores.clear();
+        let mut numbers = Vec::new();
+        for leaf in 0..self.stages[layers - 1].nodes.len() {
+            let node = self.stages[layers - 1].nodes[leaf];
+            if node.hits < rule.min_detections || node.score <= 0.0 {
+                continue;
+            }
+            numbers.clear();
+            self.each_of((layers - 1, leaf), |layer, node| {
+                let number = |detection| self.links.firsts[layer] + detection;
+                numbers.extend(node.detection.map(number));
+            });
+            self.leaves.push(leaf as u32);
+            self.sets.push(numbers.iter().rev().copied());
+            self.scores.push(node.score);
+        }
+        let packing = set_packing::pack(&self.sets, &self.scores, MAX_STEPS);
+        choice.is_exact = packing.is_exact;
+        for way in packing.chosen {
+            let leaf = self.leaves[way as usize] as usize;
+            let chosen = self.tell((layers, leaf), choice);
+            choice.ways.push(chosen);
+        }
+    }
+
+    /// Steps 1 and 2 through all layers. Tells how many ways were cut.
+    fn expand(
         &mut self,
         rules: &Rules<F>,
         waiting: &OfSensor<K>,
@@ -151,7 +189,7 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
             }
             self.add_roots(rules, (waiting, index));
             let nodes = &mut self.stages[index].nodes;
-            cut += self::cut(nodes, rules.rule.max_nodes as usize);
+            cut += node::cut(nodes, rules.rule.max_nodes as usize);
             if index + 1 < waiting.layers.len() {
                 self.believe(rules, (waiting, index));
             }
@@ -219,7 +257,10 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
                 },
             };
             let edges = hypotheses.problem().rows()[row].edges();
-            after.extend(way.missed(hypotheses.problem().rows()[row].log_missed));
+            let is_lone = self.links.part == Part::Lone;
+            if !is_lone || edges.is_empty() {
+                after.extend(way.missed(hypotheses.problem().rows()[row].log_missed));
+            }
             for edge in edges {
                 let found = hypotheses.problem().edges()[edge];
                 if !reach.allows(waiting, &way.node, &layer.points[found.detection as usize]) {
@@ -248,10 +289,11 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
             return;
         }
         for (at, point) in layer.points.iter().enumerate() {
-            if layer.is_used[at] {
+            let root = self.links.firsts[index] + at as u32;
+            let is_part = self.links.part == Part::Lone && self.links.count_from(root).is_none();
+            if layer.is_used[at] || !self.links.wants(index, at) || is_part {
                 continue;
             }
-            let root = self.links.firsts[index] + at as u32;
             if let Some(until) = self.links.root_until(root) {
                 self.stages[index].nodes.push(Node {
                     parent: None,
@@ -305,42 +347,14 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
         belief
     }
 
-    /// The choice of step 3 among the ways as far as the newest layer.
-    pub(super) fn choose(&mut self, rule: &MultiScan, layers: usize) -> Packing {
-        self.leaves.clear();
-        self.sets.clear();
-        self.scores.clear();
-        for leaf in 0..self.stages[layers - 1].nodes.len() {
-            let node = self.stages[layers - 1].nodes[leaf];
-            if node.hits < rule.min_detections || node.score <= 0.0 {
-                continue;
-            }
-            let mut numbers = std::mem::take(&mut self.numbers);
-            numbers.clear();
-            self.each_of((layers - 1, leaf), |layer, node| {
-                let number = |detection| self.links.firsts[layer] + detection;
-                numbers.extend(node.detection.map(number));
-            });
-            self.leaves.push(leaf as u32);
-            self.sets.push(numbers.iter().rev().copied());
-            self.scores.push(node.score);
-            self.numbers = numbers;
-        }
-        set_packing::pack(&self.sets, &self.scores, MAX_STEPS)
-    }
-
-    /// The numbers of the detections of a way that may begin, of which the first is its root.
-    pub(super) fn detections(&self, way: u32) -> &[u32] {
-        self.sets.of(way)
-    }
-
-    /// Its points, from the root on.
-    pub(super) fn tell(&self, way: u32, layers: usize, past: &mut Vec<Past<F::Belief>>) {
-        past.clear();
-        let leaf = self.leaves[way as usize] as usize;
+    /// Writes down the points of a way, from the root on, and the numbers of its detections.
+    fn tell(&self, (layers, leaf): (usize, usize), choice: &mut Choice<F::Belief>) -> Chosen {
+        let (from, first) = (choice.pasts.len(), choice.numbers.len());
         let mut at = leaf;
         self.each_of((layers - 1, leaf), |layer, node| {
-            past.push(Past {
+            let number = |detection| self.links.firsts[layer] + detection;
+            choice.numbers.extend(node.detection.map(number));
+            choice.pasts.push(Past {
                 layer: layer as u32,
                 detection: node.detection,
                 origin: node.origin,
@@ -354,7 +368,12 @@ impl<F: Filter<K>, const K: usize> Ways<F, K> {
             });
             at = node.parent.unwrap_or(0) as usize;
         });
-        past.reverse();
+        choice.pasts[from..].reverse();
+        choice.numbers[first..].reverse();
+        Chosen {
+            pasts: from..choice.pasts.len(),
+            numbers: first..choice.numbers.len(),
+        }
     }
 
     /// From a leaf to its root.
@@ -401,98 +420,4 @@ impl Reach {
         let (distance_m, most_m) = reach_m(first, second, self.max_speed_mps, self.gate_threshold);
         distance_m <= most_m
     }
-}
-
-/// A way that goes on into a layer.
-struct Way<'a> {
-    rule: &'a MultiScan,
-    links: &'a Links,
-    layer: usize,
-    /// After that one.
-    layers_left: u32,
-    node: Node,
-}
-
-impl Way<'_> {
-    fn missed(&self, log_missed: f64) -> Option<Node> {
-        let node = Node {
-            detection: None,
-            gap: self.node.gap + 1,
-            score: self.node.score + log_missed,
-            log_ratio: log_missed,
-            nis: None,
-            edge: None,
-            ..self.node
-        };
-        let may_last = node.gap <= self.rule.max_gap_scans && self.may_suffice(&node);
-        let has_more = node.hits > 2 || node.until >= self.links.firsts[self.layer + 1];
-        (may_last && has_more).then_some(node)
-    }
-
-    fn hit(&self, detection: u32, log_likelihood: f64) -> Option<Node> {
-        let number = self.links.firsts[self.layer] + detection;
-        let is_second = self.node.hits == 1;
-        let node = Node {
-            detection: Some(detection),
-            second: if is_second {
-                Some(number)
-            } else {
-                self.node.second
-            },
-            hits: self.node.hits + 1,
-            gap: 0,
-            until: if is_second {
-                self.links.pair_until(self.node.root, number)?
-            } else {
-                self.node.until
-            },
-            score: self.node.score + log_likelihood,
-            log_ratio: log_likelihood,
-            ..self.node
-        };
-        self.may_suffice(&node).then_some(node)
-    }
-
-    /// Whether enough detections may still come.
-    fn may_suffice(&self, node: &Node) -> bool {
-        node.hits + self.layers_left >= self.rule.min_detections
-    }
-}
-
-/// Keeps so many ways: of each root the best first. Tells how many were cut.
-fn cut(nodes: &mut Vec<Node>, most: usize) -> u64 {
-    if nodes.len() <= most {
-        return 0;
-    }
-    let mut order: Vec<usize> = (0..nodes.len()).collect();
-    let root = |at: usize| nodes[at].root;
-    order.sort_by(|&a, &b| {
-        root(a)
-            .cmp(&root(b))
-            .then(nodes[b].score.total_cmp(&nodes[a].score))
-    });
-    let mut rank_of = vec![0; nodes.len()];
-    for (place, &at) in order.iter().enumerate().skip(1) {
-        let before = order[place - 1];
-        rank_of[at] = if root(at) == root(before) {
-            rank_of[before] + 1
-        } else {
-            0
-        };
-    }
-    order.sort_by(|&a, &b| {
-        let by_rank = rank_of[a].cmp(&rank_of[b]);
-        by_rank
-            .then(nodes[b].score.total_cmp(&nodes[a].score))
-            .then(a.cmp(&b))
-    });
-    let mut is_kept = vec![false; nodes.len()];
-    order.iter().take(most).for_each(|&at| is_kept[at] = true);
-    let cut = nodes.len() - most;
-    let mut at = 0;
-    nodes.retain(|_| {
-        at += 1;
-        is_kept[at - 1]
-    });
-    cut as u64
 }

@@ -1,0 +1,199 @@
+//! Where the targets of a truth are at any time.
+//!
+//! # Method
+//! - A target is on the line between its two neighbouring points, or at the nearest one in time, as [`Alignment`] says.
+//! - Points farther apart than `max_gap_s` are not bridged. Where nobody says it, that is 2.5 times the median time between
+//!   two points of the target: one that is missing is bridged, an absence is not.
+
+use crate::model::space::{Place, Space};
+use crate::model::truth::{Target, TruthSet};
+use serde::Deserialize;
+use std::borrow::Cow;
+
+/// How truth is brought to the times of the steps.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(tag = "method", rename_all = "snake_case")]
+pub enum Alignment {
+    /// On the line between two points at most `max_gap_s` apart.
+    Interpolate { max_gap_s: Option<f64> },
+    /// The nearest point in time, at most `max_gap_s` away; the earlier one of two.
+    Nearest { max_gap_s: Option<f64> },
+}
+
+/// A target's place, and its velocity where that is known.
+pub type Standing = (Place, Option<Place>);
+
+/// Of the median time between two points of a target.
+const BRIDGED_GAPS: f64 = 2.5;
+
+impl Alignment {
+    pub fn max_gap_s(self) -> Option<f64> {
+        let (Alignment::Interpolate { max_gap_s } | Alignment::Nearest { max_gap_s }) = self;
+        max_gap_s
+    }
+}
+
+/// The paths of all targets.
+#[derive(Debug, Clone)]
+pub struct Paths<'t> {
+    truth: Cow<'t, TruthSet>,
+    alignment: Alignment,
+    /// Of each target the longest gap that is bridged.
+    limits_s: Vec<f64>,
+}
+
+impl<'t> Paths<'t> {
+    pub fn new(truth: &'t TruthSet, alignment: Alignment) -> Self {
+        let limit_s = |target| {
+            alignment
+                .max_gap_s()
+                .unwrap_or_else(|| usual_limit_s(target))
+        };
+        Paths {
+            truth: Cow::Borrowed(truth),
+            alignment,
+            limits_s: truth.targets().iter().map(limit_s).collect(),
+        }
+    }
+
+    /// With a truth of their own.
+    pub fn into_owned(self) -> Paths<'static> {
+        Paths {
+            truth: Cow::Owned(self.truth.into_owned()),
+            alignment: self.alignment,
+            limits_s: self.limits_s,
+        }
+    }
+
+    pub fn targets(&self) -> &[Target] {
+        self.truth.targets()
+    }
+
+    pub fn space(&self) -> Space {
+        self.truth.space()
+    }
+
+    /// From when to when a target may exist; `None` without points.
+    pub fn span_s(&self, target: usize, tolerance_s: f64) -> Option<(f64, f64)> {
+        let points = &self.targets()[target].points;
+        let margin_s = match self.alignment {
+            Alignment::Interpolate { .. } => tolerance_s,
+            Alignment::Nearest { .. } => self.limits_s[target].max(tolerance_s),
+        };
+        let (first, last) = (points.first()?, points.last()?);
+        Some((first.time_s - margin_s, last.time_s + margin_s))
+    }
+
+    /// Where a target is; a point within the tolerance counts as at that time where the path does not say more.
+    pub fn at(&self, target: usize, time_s: f64, tolerance_s: f64) -> Option<Standing> {
+        let (space, limit_s) = (self.space(), self.limits_s[target]);
+        let target = &self.targets()[target];
+        let at_point = |limit_s: f64| {
+            let point = target.nearest_point(time_s, limit_s)?;
+            let velocity = target.velocity_at(space, point.time_s, f64::INFINITY);
+            Some((point.position, velocity))
+        };
+        match self.alignment {
+            Alignment::Interpolate { .. } => match target.position_at(space, time_s, limit_s) {
+                Some(position) => Some((position, target.velocity_at(space, time_s, limit_s))),
+                None => at_point(tolerance_s),
+            },
+            Alignment::Nearest { .. } => at_point(limit_s.max(tolerance_s)),
+        }
+    }
+
+    /// Where a target that exists at a time is so much later: along its path, and where that does not say, by its velocity.
+    pub fn after(
+        &self,
+        target: usize,
+        (time_s, after_s): (f64, f64),
+        tolerance_s: f64,
+    ) -> Option<Standing> {
+        self.at(target, time_s + after_s, 0.0).or_else(|| {
+            let (place, velocity) = self.at(target, time_s, tolerance_s)?;
+            let moved = place + velocity.unwrap_or_default() * after_s;
+            Some((self.space().normal(moved), velocity))
+        })
+    }
+
+    /// How far a target goes from where it is at a time while others may be compared with it.
+    pub fn farthest_m(
+        &self,
+        target: usize,
+        time_s: f64,
+        (from_s, to_s): (f64, f64),
+        tolerance_s: f64,
+    ) -> f64 {
+        let points = &self.targets()[target].points;
+        let first = points.partition_point(|point| point.time_s < from_s);
+        let inside = points[first..]
+            .iter()
+            .take_while(|point| point.time_s <= to_s);
+        let Some((start, _)) = self.at(target, time_s, tolerance_s) else {
+            return 0.0;
+        };
+        let mut farthest_m = 0.0f64;
+        for at_s in [from_s, to_s]
+            .into_iter()
+            .chain(inside.map(|point| point.time_s))
+        {
+            if let Some((place, _)) = self.after(target, (time_s, at_s - time_s), tolerance_s) {
+                farthest_m = farthest_m.max((place - start).norm());
+            }
+        }
+        farthest_m
+    }
+
+    /// The times at which any target exists, as rising stretches that do not touch.
+    pub fn stretches_s(&self) -> Vec<(f64, f64)> {
+        let mut pieces = Vec::new();
+        for (target, &limit_s) in self.targets().iter().zip(&self.limits_s) {
+            add_pieces(target, limit_s, self.alignment, &mut pieces);
+        }
+        pieces.sort_unstable_by(|a: &(f64, f64), b| a.0.total_cmp(&b.0));
+        let mut stretches: Vec<(f64, f64)> = Vec::new();
+        for (from_s, to_s) in pieces {
+            match stretches.last_mut() {
+                Some((_, last_s)) if from_s <= *last_s => *last_s = to_s.max(*last_s),
+                _ => stretches.push((from_s, to_s)),
+            }
+        }
+        stretches
+    }
+}
+
+/// The stretches of one target.
+fn add_pieces(target: &Target, limit_s: f64, alignment: Alignment, pieces: &mut Vec<(f64, f64)>) {
+    let reach_s = match alignment {
+        Alignment::Interpolate { .. } => 0.0,
+        Alignment::Nearest { .. } => limit_s,
+    };
+    let longest_s = limit_s.max(2.0 * reach_s);
+    for piece in target
+        .points
+        .chunk_by(|before, after| after.time_s - before.time_s <= longest_s)
+    {
+        if let (Some(first), Some(last)) = (piece.first(), piece.last()) {
+            pieces.push((first.time_s - reach_s, last.time_s + reach_s));
+        }
+    }
+}
+
+/// The times between the points of a target that follow each other, rising.
+pub fn gaps_s(target: &Target) -> Vec<f64> {
+    let pairs = target.points.windows(2);
+    let mut gaps_s: Vec<f64> = pairs.map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    gaps_s.sort_unstable_by(f64::total_cmp);
+    gaps_s
+}
+
+/// The middle one of rising values, the lower of two.
+pub fn median(rising: &[f64]) -> Option<f64> {
+    rising.get(rising.len().saturating_sub(1) / 2).copied()
+}
+
+fn usual_limit_s(target: &Target) -> f64 {
+    // Times are sums that were rounded.
+    const ROUNDING: f64 = 1.0 + 1e-9;
+    median(&gaps_s(target)).map_or(0.0, |gap_s| BRIDGED_GAPS * ROUNDING * gap_s)
+}

@@ -1,0 +1,229 @@
+//! `trackloom compare`: two results side by side, and whether the second is worse.
+
+use super::build_server::{Verdict, VerdictFiles, failures, number};
+use super::run::{Trouble, end};
+use crate::model::fault::Fault;
+use crate::service::types::{
+    ComparedJob, Comparison, DifferenceVerdict, JobKind, PairedDifference, PairedNumber, PairedOver,
+};
+use crate::service::views::compare::{self, Side};
+use crate::service::views::metrics::MetricTable;
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use uuid::Uuid;
+
+#[derive(Args)]
+pub(super) struct CompareArguments {
+    /// The baseline: a directory that `trackloom run --out` wrote, or its report.json
+    baseline: PathBuf,
+    /// What is compared with it
+    other: PathBuf,
+    /// End with 1 where any number is significantly worse than in the baseline
+    #[arg(long)]
+    fail_if_worse: bool,
+    /// Confidence of the intervals
+    #[arg(long, default_value_t = 0.95, value_parser = confidence)]
+    confidence: f64,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+    #[command(flatten)]
+    files: VerdictFiles,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// The comparison as JSON, as the service answers it
+    Json,
+    /// A table of what can be told apart, and of headlines
+    Text,
+}
+
+fn confidence(text: &str) -> Result<f64, String> {
+    let value: f64 = text
+        .parse()
+        .map_err(|_| "a number above 0 and below 1".to_owned())?;
+    if value > 0.0 && value < 1.0 {
+        Ok(value)
+    } else {
+        Err("a number above 0 and below 1".to_owned())
+    }
+}
+
+pub(super) fn run(arguments: &CompareArguments) -> ExitCode {
+    end(finish(arguments), "the results cannot be compared")
+}
+
+fn finish(arguments: &CompareArguments) -> Result<(), Trouble> {
+    let sides = [
+        read_side(&arguments.baseline)?,
+        read_side(&arguments.other)?,
+    ];
+    let comparison = compare::of(&sides, 0, arguments.confidence);
+    match arguments.format {
+        Format::Json => {
+            let text = serde_json::to_string_pretty(&comparison).context("cannot write JSON")?;
+            println!("{text}");
+        }
+        Format::Text => print(&comparison),
+    }
+    let verdicts = verdicts(&comparison);
+    let suite = format!(
+        "{} against {}",
+        arguments.other.display(),
+        arguments.baseline.display()
+    );
+    arguments.files.write(&suite, &verdicts)?;
+    match failures(&verdicts).filter(|_| arguments.fail_if_worse) {
+        Some(failed) => Err(Trouble::Failed(anyhow::anyhow!(
+            "worse than the baseline: {failed}"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// What a run left in a directory; files that are absent say nothing.
+fn read_side(path: &Path) -> Result<Side, Trouble> {
+    let report = if path.is_dir() {
+        path.join("report.json")
+    } else {
+        path.to_owned()
+    };
+    let bytes = std::fs::read(&report).map_err(|error| {
+        let detail = format!("{error}");
+        vec![
+            Fault::new(report.display().to_string(), "not_found", detail)
+                .allowing("a directory of `trackloom run --out`, or a report.json"),
+        ]
+    })?;
+    let mut report: Value = serde_json::from_slice(&bytes)
+        .with_context(|| format!("{} is no JSON", report.display()))?;
+    let kind = report["kind"].as_str().and_then(JobKind::from_name);
+    let kind = kind.with_context(|| format!("{} is no report of a job", path.display()))?;
+    let beside = |name: &str| {
+        let folder = if path.is_dir() { path } else { path.parent()? };
+        std::fs::read(folder.join(name)).ok()
+    };
+    let metrics = match beside("metric-series.csv") {
+        Some(bytes) => MetricTable::read(&bytes).context("metric-series.csv is damaged")?,
+        None => MetricTable::default(),
+    };
+    Ok(Side {
+        job: ComparedJob {
+            id: report["job_id"]
+                .as_str()
+                .and_then(|id| Uuid::parse_str(id).ok())
+                .unwrap_or_default(),
+            kind,
+            name: Some(path.display().to_string()),
+            seed: report["seed"]
+                .as_u64()
+                .and_then(|seed| u32::try_from(seed).ok())
+                .unwrap_or(0),
+            total_s: report["timing"]["total_s"].as_f64().unwrap_or(0.0),
+        },
+        spec: report["spec"].take(),
+        result: report["result"].take(),
+        metrics,
+        truths: beside("metric-truths.csv"),
+        runs: beside("runs.csv"),
+    })
+}
+
+fn over(number: &PairedNumber) -> &'static str {
+    match number.over {
+        PairedOver::Runs => "runs",
+        PairedOver::Targets => "targets",
+        PairedOver::Steps => "steps",
+    }
+}
+
+/// The difference of the second side from the baseline.
+fn difference(number: &PairedNumber) -> Option<&PairedDifference> {
+    number.differences.get(1)?.as_ref()
+}
+
+fn name_of(number: &PairedNumber) -> String {
+    let cell = number
+        .cell
+        .as_ref()
+        .map_or_else(String::new, |cell| format!(" in {cell}"));
+    format!("{}{cell}, over {}", number.name, over(number))
+}
+
+/// A verdict for each number that has a direction and an interval: met where it is not worse.
+fn verdicts(comparison: &Comparison) -> Vec<Verdict> {
+    let mut verdicts = Vec::new();
+    for paired in &comparison.paired {
+        let Some((found, verdict)) =
+            difference(paired).and_then(|found| Some((found, found.verdict?)))
+        else {
+            continue;
+        };
+        verdicts.push(Verdict {
+            name: name_of(paired),
+            met: verdict != DifferenceVerdict::Worse,
+            detail: told(found, verdict),
+        });
+    }
+    verdicts
+}
+
+fn told(found: &PairedDifference, verdict: DifferenceVerdict) -> String {
+    let word = match verdict {
+        DifferenceVerdict::Better => "better",
+        DifferenceVerdict::Worse => "worse",
+        DifferenceVerdict::NotSignificant => "no significant difference",
+    };
+    let interval = found.interval.map_or_else(String::new, |interval| {
+        format!(" [{}, {}]", number(interval.low), number(interval.high))
+    });
+    format!(
+        "{word}: {}{interval} in {} pairs",
+        number(found.mean),
+        found.pairs
+    )
+}
+
+fn print(comparison: &Comparison) {
+    for note in &comparison.notes {
+        println!("note: {note}");
+    }
+    println!(
+        "{:<58} {:>14} {:>14}  better",
+        "number", "baseline", "other"
+    );
+    for compared in &comparison.numbers {
+        let [Some(baseline), Some(other)] = compared.values[..] else {
+            continue;
+        };
+        let Some(higher) = compared.higher_is_better.filter(|_| baseline != other) else {
+            continue;
+        };
+        let side = if (other > baseline) == higher {
+            "other"
+        } else {
+            "baseline"
+        };
+        let (baseline, other) = (number(baseline), number(other));
+        println!("{:<58} {baseline:>14} {other:>14}  {side}", compared.path);
+    }
+    let verdicts = verdicts(comparison);
+    let apart = verdicts
+        .iter()
+        .filter(|verdict| !verdict.detail.starts_with("no significant"));
+    let lines: Vec<String> = apart
+        .map(|verdict| format!("{}: {}", verdict.name, verdict.detail))
+        .collect();
+    println!(
+        "\n{} of {} paired numbers differ significantly",
+        lines.len(),
+        verdicts.len()
+    );
+    for line in lines {
+        println!("  {line}");
+    }
+}

@@ -1,0 +1,39 @@
+//! Directions judged by metrics that need no metres.
+
+use super::{metrics, quantity, table};
+use crate::origins::jobs::Texts;
+use serde_json::json;
+
+/// A target that turns over north, always detected half a degree to one side; from 30 to 39 the track is on another bearing.
+#[test]
+fn directions_are_matched_within_their_gate_the_shorter_way_round() {
+    let bearing_deg =
+        |step: u32, by_deg: f64| (355.0 + 0.2 * f64::from(step) + by_deg).rem_euclid(360.0);
+    let truth = table(
+        "time_s,truth_id,bearing_deg",
+        (0..60).map(|step| format!("{},A,{}", 10 * step, bearing_deg(step, 0.0))),
+    );
+    let tracks = table(
+        "time_s,track_id,bearing_deg",
+        (0..60).map(|step| {
+            let by_deg = if (30..40).contains(&step) { 7.0 } else { 0.5 };
+            format!("{},1,{}", 10 * step, bearing_deg(step, by_deg))
+        }),
+    );
+    let mut texts = Texts::of("csv");
+    let body = json!({
+        "truth": texts.dataset(&truth), "tracks": texts.dataset(&tracks), "comparison": {"gate_deg": 3.0}, "profile": "vision",
+        "metrics": metrics(&["clear", "identity", "hota"])
+    });
+    let outcome = texts.judge(&body).unwrap();
+    let clear = ["tp", "fn", "fp", "idsw"].map(|name| quantity(&outcome, "clear", name));
+    assert_eq!(clear, [50.0, 10.0, 10.0, 0.0]);
+    assert!((quantity(&outcome, "clear", "motp_distance") - 0.5).abs() < 1e-9);
+    let unit = &outcome.result["metrics"]["clear"]["quantities"]["motp_distance"]["unit"];
+    assert_eq!(unit, "deg");
+    assert!((quantity(&outcome, "identity", "idf1") - 50.0 / 60.0).abs() < 1e-12);
+    // At every alpha up to the similarity 1 - 0.5 / 6 = 0.917, so at 18 of 19, 50 of 70 are found and of one identity.
+    let hota = 18.0 / 19.0 * (50.0f64 / 70.0);
+    assert!((quantity(&outcome, "hota", "hota") - hota).abs() < 1e-9);
+    assert_eq!(outcome.result["comparison"]["gate_unit"], "deg");
+}
