@@ -62,7 +62,7 @@ fn what_lies_outside_is_left_out_and_what_is_false_inside_counts() {
     let quarter = json!({"areas": [{"kind": "sector", "range_max_m": 100.0, "from_deg": 89.0, "to_deg": 180.0}]});
     assert_eq!(
         counts(&judged(quarter, json!({})).unwrap()),
-        [11.0, 0.0, 0.0]
+        [10.0, 0.0, 0.0]
     );
     // B alone from 5 to 9 s: the tracks far away and near A are false everywhere, the one on A is on somebody else.
     let whom = json!({"targets": ["B"], "from_s": 5.0, "to_s": 9.0});
