@@ -24,6 +24,7 @@ pub mod nearest_truth;
 pub mod nearness;
 mod overlaps;
 pub mod paths;
+pub mod scope;
 pub mod spaces;
 pub mod steps;
 pub mod strings;

@@ -179,6 +179,17 @@ impl TruthSet {
         self.space
     }
 
+    /// The same scene with some of its targets, or parts of them, alone.
+    pub fn with_targets(&self, targets: Vec<Target>) -> TruthSet {
+        TruthSet {
+            targets,
+            space: self.space,
+            frame: self.frame,
+            time_base: self.time_base,
+            attributes: self.attributes.clone(),
+        }
+    }
+
     pub fn targets(&self) -> &[Target] {
         &self.targets
     }

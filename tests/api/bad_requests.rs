@@ -81,7 +81,7 @@ async fn an_unknown_field_is_refused_with_the_known_ones() {
     body["colour"] = json!("red");
     let detail = "unknown field 'colour'";
     let allowed =
-        "name, labels, seed, input, detector, truth, sensors, associator, filter, tracker";
+        "name, labels, limits, seed, input, detector, truth, sensors, associator, filter, tracker";
     let fault = json!({"pointer": "/colour", "code": "unknown_field", "detail": detail, "allowed": allowed});
     assert_eq!(
         refusal("associate", &body).await,

@@ -244,7 +244,7 @@ fn times_that_do_not_meet_are_refused_with_both_spans() {
     );
     let head = json!({
         "steps": "the times of the truth", "period_s": 1.0, "step_count": 4, "due_steps": 4, "filled_steps": 0, "extra_steps": 0,
-        "points_between_steps": 0, "credit": "at_the_time", "points_not_known_then": 0, "alignment": "interpolate", "gate": 10.0, "gate_unit": "m"
+        "points_between_steps": 0, "credit": "at_the_time", "points_not_known_then": 0, "truth_points_left_out": 0, "track_points_left_out": 0, "alignment": "interpolate", "gate": 10.0, "gate_unit": "m"
     });
     assert_eq!(outcome.result["comparison"], head);
     assert_sound(&outcome);

@@ -22,7 +22,11 @@ pub fn default_settings(comparison: &ComparisonSpec, input: &EvaluationInput) ->
     let has_origins = input
         .recording
         .is_some_and(|recording| recording.origins_known);
-    let symbols = if has_origins && (!input.tracks.candidates.is_empty() || input.truth.is_none()) {
+    let is_whole = comparison.within.is_none();
+    let symbols = if is_whole
+        && has_origins
+        && (!input.tracks.candidates.is_empty() || input.truth.is_none())
+    {
         SymbolRule::DetectionId
     } else {
         SymbolRule::NearestTruth {

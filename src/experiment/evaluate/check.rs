@@ -1,5 +1,6 @@
 //! What of a request that judges tracks no table can see.
 
+use super::within::WithinSpec;
 use crate::experiment::associate::check::fill_tracking_defaults;
 use crate::experiment::job::InputRequest;
 use crate::experiment::request::draft::Draft;
@@ -121,5 +122,26 @@ pub fn check_steps(draft: &mut Draft) {
         draft.add([
             Fault::new(pointer, "conflict", detail).allowing("steps every_s, or no every_s")
         ]);
+    }
+}
+
+/// What is judged of one recording; a whole one where symbols are detections.
+pub fn check_within(draft: &mut Draft) {
+    let Some(within) = draft.read::<WithinSpec>("/comparison/within") else {
+        return;
+    };
+    draft.add(within.faults());
+    let pointer = "/comparison/within";
+    if draft.has("sequences") {
+        let detail = "sequences are judged whole";
+        draft.add([Fault::new(pointer, "unsupported", detail).allowing("a job for each sequence")]);
+    }
+    if matches!(
+        draft.text_at("/tfa/symbols/kind"),
+        Some("detection_id" | "nearest_detection")
+    ) {
+        let detail = "an automaton on detections reads whole recordings";
+        let fault = Fault::new("/tfa/symbols/kind", "conflict", detail);
+        draft.add([fault.allowing("nearest_truth, or no 'within'")]);
     }
 }

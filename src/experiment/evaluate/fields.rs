@@ -1,5 +1,6 @@
 //! The body of a job that judges tracks, described field by field.
 
+use super::within::FIELD as WITHIN;
 use crate::association::ASSOCIATOR;
 use crate::evaluation::metrics::{METRES, METRIC};
 use crate::experiment::limits::LIMITS;
@@ -206,6 +207,7 @@ pub static COMPARISON: Object = Object {
             "Which points of a track count. at_the_time (default): what was known then, without tentative points and without the past of a beginning that was chosen later. afterwards: all points of a track that was confirmed at last; the default of an automaton on detections, which judges what the tracker decided, not what an operator saw.",
             Kind::Choice(&["at_the_time", "afterwards"]),
         ),
+        WITHIN,
         optional(
             "every_s",
             "With steps every_s: the time between two steps.",

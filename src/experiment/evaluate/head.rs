@@ -5,6 +5,7 @@ use super::spec::ComparisonSpec;
 use crate::evaluation::comparison::Comparison;
 use crate::evaluation::credit::Credit;
 use crate::evaluation::paths::Alignment;
+use crate::evaluation::scope::LeftOut;
 use serde::Serialize;
 
 /// How truth and tracks were put side by side.
@@ -28,6 +29,10 @@ pub struct Compared {
     pub credit: &'static str,
     /// Points that are not credited: the track was not known then.
     pub points_not_known_then: usize,
+    /// Points of the truth outside `within`, of which nothing is due.
+    pub truth_points_left_out: usize,
+    /// Points of tracks outside `within`, or on targets there.
+    pub track_points_left_out: usize,
     /// `interpolate` or `nearest`; absent of boxes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment: Option<&'static str>,
@@ -42,6 +47,7 @@ pub struct Compared {
 
 pub fn compared(
     spec: &ComparisonSpec,
+    left_out: LeftOut,
     subjects: &[Subject],
     comparisons: &[Comparison],
 ) -> Option<Compared> {
@@ -78,6 +84,8 @@ pub fn compared(
             Credit::AtTheTime => "at_the_time",
             Credit::Afterwards => "afterwards",
         },
+        truth_points_left_out: left_out.truth_points,
+        track_points_left_out: left_out.track_points,
         points_not_known_then: facts().map(|facts| facts.unknown_then).sum(),
         alignment: (!is_of_boxes).then_some(alignment),
         max_gap_s: rule.max_gap_s().filter(|_| !is_of_boxes),

@@ -10,6 +10,7 @@ use super::spec::ComparisonSpec;
 use crate::evaluation::comparison::Comparison;
 use crate::evaluation::events::EventLog;
 use crate::evaluation::metrics::{BuildMetric, Metric, Sequence};
+use crate::evaluation::scope::LeftOut;
 use crate::experiment::files::text;
 use crate::experiment::job::{Artifact, RunError};
 use crate::experiment::observer::Observer;
@@ -37,7 +38,7 @@ pub struct NamedMetric {
 /// [`RunError::Stopped`]; what cannot be compared or judged.
 pub fn compute_metrics(
     metrics: &[Choice<BuildMetric>],
-    spec: &ComparisonSpec,
+    (spec, left_out): (&ComparisonSpec, LeftOut),
     subjects: &[Subject],
     wants_files: bool,
     observer: &mut dyn Observer,
@@ -75,7 +76,7 @@ pub fn compute_metrics(
         vec![&together]
     };
     let mut parts = report(subjects, &sequences, &together, &alone, &of_each);
-    let head = compared(spec, subjects, &comparisons);
+    let head = compared(spec, left_out, subjects, &comparisons);
     parts.extend(head.map(|head| ("comparison".to_owned(), json!(head))));
     let (artifacts, pairs) = if wants_files {
         files(subjects, &sequences, &of_each, &parts)

@@ -12,6 +12,7 @@ mod progress;
 mod report;
 mod run;
 mod spec;
+mod within;
 
 pub use fields::EVALUATE;
 pub use head::Compared;
@@ -48,6 +49,7 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let inputs = draft.inputs();
     check::check_symbols(&mut draft, &inputs);
     check::check_steps(&mut draft);
+    check::check_within(&mut draft);
     check_start(&mut draft, &inputs);
     profiles::fill_metrics(&mut draft, &inputs);
     let metrics_of_boxes = profiles::metrics_of_boxes(&draft);

@@ -7,6 +7,7 @@ use super::metrics::{Judgement, compute_metrics};
 use super::profiles::accepts_bearings;
 use super::spec::Profile;
 use crate::evaluation::metrics::BuildMetric;
+use crate::evaluation::scope::LeftOut;
 use crate::evaluation::{EvaluationInput, TfaSettings};
 use crate::experiment::associate::track::{Tracked, track};
 use crate::experiment::associate::{report, settle};
@@ -16,6 +17,7 @@ use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::experiment::request::methods::Choice;
 use crate::model::fault::Fault;
 use crate::model::track::TrackSet;
+use crate::model::truth::TruthSet;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 
@@ -55,31 +57,8 @@ pub fn run(
         let association = report(tracked, data.recording()?, &data.sensors);
         result.insert("association".to_owned(), to_value(&association)?);
     }
-    let tracks = tracked.as_ref().map(|tracked| &tracked.tracks);
-    let mut files = Vec::new();
-    if job.wants_automaton(&data)? {
-        let (report, of_automaton) = job.run_automaton(&mut data, tracks, settings, observer)?;
-        result.insert("tfa".to_owned(), report);
-        files = of_automaton;
-    }
-    if let Some(judgement) = job.compute_metrics(&mut data, tracks, settings, observer)? {
-        result.extend(judgement.parts);
-        files.extend(judgement.artifacts);
-        data.warn(judgement.warnings);
-    }
-    let smoothed = tracked
-        .as_ref()
-        .and_then(|tracked| tracked.smoothed.as_ref());
-    if let Some(smoothed) = smoothed {
-        let without_files = RunSettings {
-            wants_files: false,
-            ..settings
-        };
-        let judged = job.compute_metrics(&mut data, Some(smoothed), without_files, observer)?;
-        // Its warnings are those of the tracks, which are alike in all but their places.
-        let parts = judged.map(|judgement| Value::Object(judgement.parts));
-        result.extend(parts.map(|parts| ("smoothed".to_owned(), parts)));
-    }
+    let (parts, files) = job.judge(&mut data, tracked.as_ref(), settings, observer)?;
+    result.extend(parts);
     let association_time = tracked
         .as_ref()
         .and_then(|tracked| tracked.association_time);
@@ -112,6 +91,78 @@ impl EvaluateJob {
         let tracking = settle(tracking, data.recording()?);
         let (input, sensors) = (&self.spec.input, &self.spec.sensors);
         track(data, input, &tracking, sensors, settings, observer).map(Some)
+    }
+
+    /// What the automaton and the metrics say of the tracks, and of the smoothed ones; with the files of the former.
+    fn judge(
+        &self,
+        data: &mut JobData,
+        tracked: Option<&Tracked>,
+        settings: RunSettings,
+        observer: &mut dyn Observer,
+    ) -> Result<(Map<String, Value>, Vec<Artifact>), RunError> {
+        let (mut result, mut files) = (Map::new(), Vec::new());
+        let mut whole = None;
+        if self.spec.comparison.within.is_some() {
+            whole = data.truth.clone();
+        }
+        let made = tracked.map(|tracked| &tracked.tracks);
+        let restricted = self.restrict(data, whole.as_ref(), made)?;
+        let tracks = restricted.as_ref().map(|(tracks, _)| tracks).or(made);
+        if self.wants_automaton(data)? {
+            let (report, of_automaton) = self.run_automaton(data, tracks, settings, observer)?;
+            result.insert("tfa".to_owned(), report);
+            files = of_automaton;
+        }
+        let left_out = restricted.as_ref().map(|(_, left_out)| *left_out);
+        let judgement = self.compute_metrics(data, tracks, left_out, settings, observer)?;
+        if let Some(judgement) = judgement {
+            result.extend(judgement.parts);
+            files.extend(judgement.artifacts);
+            data.warn(judgement.warnings);
+        }
+        if let Some(smoothed) = tracked.and_then(|tracked| tracked.smoothed.as_ref()) {
+            let without_files = RunSettings {
+                wants_files: false,
+                ..settings
+            };
+            let restricted = self.restrict(data, whole.as_ref(), Some(smoothed))?;
+            let tracks = restricted.as_ref().map_or(smoothed, |(tracks, _)| tracks);
+            let left_out = restricted.as_ref().map(|(_, left_out)| *left_out);
+            let judged =
+                self.compute_metrics(data, Some(tracks), left_out, without_files, observer)?;
+            // Its warnings are those of the tracks, which are alike in all but their places.
+            let parts = judged.map(|judgement| Value::Object(judgement.parts));
+            result.extend(parts.map(|parts| ("smoothed".to_owned(), parts)));
+        }
+        // The files have all of it.
+        if whole.is_some() {
+            data.truth = whole;
+        }
+        Ok((result, files))
+    }
+
+    /// Puts what is due of the `whole` truth into the data; gives the tracks that are judged beside it. `None` where all is judged.
+    fn restrict(
+        &self,
+        data: &mut JobData,
+        whole: Option<&TruthSet>,
+        tracked: Option<&TrackSet>,
+    ) -> Result<Option<(TrackSet, LeftOut)>, RunError> {
+        let comparison = &self.spec.comparison;
+        let (Some(within), Some(whole)) = (&comparison.within, whole) else {
+            return Ok(None);
+        };
+        let gate_and_paths = (comparison.gate_m, comparison.alignment.rule);
+        let scope = within.scope(whole)?;
+        let (due, kept, left_out) =
+            scope.restrict(whole, tracks_of(data, tracked)?, gate_and_paths);
+        if due.targets().is_empty() {
+            let detail = "no point of the truth lies within it, so nothing is due";
+            return Err(Fault::new("/comparison/within", "empty", detail).into());
+        }
+        data.truth = Some(due);
+        Ok(Some((kept, left_out)))
     }
 
     /// Whether there is a string to read: boxes have none.
@@ -177,6 +228,7 @@ impl EvaluateJob {
         &self,
         data: &mut JobData,
         tracked: Option<&TrackSet>,
+        left_out: Option<LeftOut>,
         settings: RunSettings,
         observer: &mut dyn Observer,
     ) -> Result<Option<Judgement>, RunError> {
@@ -197,7 +249,7 @@ impl EvaluateJob {
         let judgement = match judged {
             Some((subjects, metrics)) => Some(compute_metrics(
                 &metrics,
-                &spec.comparison,
+                (&spec.comparison, left_out.unwrap_or_default()),
                 &subjects,
                 settings.wants_files,
                 observer,

@@ -1,5 +1,6 @@
 //! The type of a request that judges tracks.
 
+use super::within::WithinSpec;
 use crate::detection::Detector;
 use crate::evaluation::credit::Credit;
 use crate::evaluation::metrics::BuildMetric;
@@ -50,7 +51,7 @@ pub enum Profile {
 }
 
 /// How truth and tracks are put side by side.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ComparisonSpec {
     pub gate_m: f64,
     pub gate_deg: f64,
@@ -59,6 +60,8 @@ pub struct ComparisonSpec {
     #[serde(flatten)]
     steps: StepSettings,
     credit: Option<Credit>,
+    /// Where, when and whom to judge.
+    pub within: Option<WithinSpec>,
 }
 
 impl ComparisonSpec {

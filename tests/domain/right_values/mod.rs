@@ -8,6 +8,7 @@ mod noise;
 mod precise_sensor;
 mod scans;
 mod steps;
+mod within;
 mod zeros;
 
 use crate::origins::jobs::Texts;
