@@ -45,6 +45,8 @@ PARTS = {
     '{"tracker":': lambda part: ("associate", {
         "input": DETECTIONS, "sensors": SENSORS, "associator": {"method": "jpda"}, **json.loads(part)}),
     '"from": [': "a part of a report",
+    '{"sensors":': lambda part: ("associate", {
+        "input": DETECTIONS, "associator": {"method": "jpda"}, "sensors": [{**SENSORS[0], **json.loads(part)["sensors"][0]}]}),
     '{"limits":': lambda part: ("evaluate", {"input": DETECTIONS, "truth": TRUTH, "sensors": SENSORS, **json.loads(part)}),
     '{"truth_id":': "a part of a report",
 }
