@@ -1,7 +1,7 @@
 //! `trackloom compare`: two results side by side, and whether the second is worse.
 
 use super::build_server::{Verdict, VerdictFiles, failures, number};
-use super::run::{Trouble, end};
+use super::run::{Format, Trouble, end};
 use crate::model::fault::Fault;
 use crate::service::types::{
     ComparedJob, Comparison, DifferenceVerdict, JobKind, PairedDifference, PairedNumber, PairedOver,
@@ -9,7 +9,7 @@ use crate::service::types::{
 use crate::service::views::compare::{self, Side};
 use crate::service::views::metrics::MetricTable;
 use anyhow::Context;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,14 +32,6 @@ pub(super) struct CompareArguments {
     format: Format,
     #[command(flatten)]
     files: VerdictFiles,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// The comparison as JSON, as the service answers it
-    Json,
-    /// A table of what can be told apart, and of headlines
-    Text,
 }
 
 fn confidence(text: &str) -> Result<f64, String> {
