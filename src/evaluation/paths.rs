@@ -2,10 +2,13 @@
 //!
 //! # Method
 //! - A target is on the line between its two neighbouring points, or at the nearest one in time, as [`Alignment`] says.
+//! - Nobody exists before his first point or behind his last one.
 //! - Points farther apart than `max_gap_s` are not bridged. Where nobody says it, that is 2.5 times the median time between
 //!   two points of the target: one that is missing is bridged, an absence is not.
 
+use super::spaces;
 use crate::model::space::{Place, Space};
+use crate::model::state::Position;
 use crate::model::truth::{Target, TruthSet};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -73,20 +76,20 @@ impl<'t> Paths<'t> {
         self.truth.space()
     }
 
-    /// From when to when a target may exist; `None` without points.
+    /// From when to when a target exists; `None` without points.
     pub fn span_s(&self, target: usize, tolerance_s: f64) -> Option<(f64, f64)> {
         let points = &self.targets()[target].points;
-        let margin_s = match self.alignment {
-            Alignment::Interpolate { .. } => tolerance_s,
-            Alignment::Nearest { .. } => self.limits_s[target].max(tolerance_s),
-        };
         let (first, last) = (points.first()?, points.last()?);
-        Some((first.time_s - margin_s, last.time_s + margin_s))
+        Some((first.time_s - tolerance_s, last.time_s + tolerance_s))
     }
 
     /// Where a target is; a point within the tolerance counts as at that time where the path does not say more.
     pub fn at(&self, target: usize, time_s: f64, tolerance_s: f64) -> Option<Standing> {
         let (space, limit_s) = (self.space(), self.limits_s[target]);
+        let (from_s, to_s) = self.span_s(target, tolerance_s)?;
+        if time_s < from_s || time_s > to_s {
+            return None;
+        }
         let target = &self.targets()[target];
         let at_point = |limit_s: f64| {
             let point = target.nearest_point(time_s, limit_s)?;
@@ -162,19 +165,87 @@ impl<'t> Paths<'t> {
     }
 }
 
+/// Which targets are within a gate of a place: paths with the box around each, so that most need no look.
+pub struct Reach<'t> {
+    paths: Paths<'t>,
+    gate: f64,
+    boxes: Vec<(Position, Position)>,
+}
+
+impl<'t> Reach<'t> {
+    /// The gate is in metres, of directions in degrees.
+    pub fn new(paths: Paths<'t>, gate: f64) -> Self {
+        let everywhere = Position::repeat(f64::INFINITY);
+        let boxes = paths.targets().iter().map(|target| match paths.space() {
+            // Directions repeat after a turn.
+            Space::Bearing => (-everywhere, everywhere),
+            Space::Plane | Space::Volume => box_around(target, gate),
+        });
+        Reach {
+            boxes: boxes.collect(),
+            paths,
+            gate,
+        }
+    }
+
+    pub fn space(&self) -> Space {
+        self.paths.space()
+    }
+
+    /// Whether any target is within the gate of a place at a time; the place is as it is compared in `space`.
+    pub fn is_near(&self, space: Space, time_s: f64, place: &Place) -> bool {
+        self.near(space, time_s, place).next().is_some()
+    }
+
+    /// Whether some targets are within the gate, and none of them is due.
+    pub fn is_near_only(
+        &self,
+        space: Space,
+        time_s: f64,
+        place: &Place,
+        is_due: impl Fn(usize) -> bool,
+    ) -> bool {
+        let mut near = self.near(space, time_s, place).peekable();
+        near.peek().is_some() && !near.any(is_due)
+    }
+
+    fn near(&self, space: Space, time_s: f64, place: &Place) -> impl Iterator<Item = usize> {
+        let (plane, place) = (place.xy(), *place);
+        let boxes = self.boxes.iter().enumerate();
+        let in_box = boxes.filter(move |(_, (low, high))| plane >= *low && plane <= *high);
+        in_box.map(|(target, _)| target).filter(move |target| {
+            let standing = self.paths.at(*target, time_s, 0.0);
+            standing.is_some_and(|(there, _)| {
+                spaces::distance(space, &spaces::compared(space, &there), &place) <= self.gate
+            })
+        })
+    }
+}
+
+fn box_around(target: &Target, gate: f64) -> (Position, Position) {
+    let mut low = Position::repeat(f64::INFINITY);
+    let mut high = -low;
+    for point in &target.points {
+        let place = point.position.xy();
+        (low, high) = (low.inf(&place), high.sup(&place));
+    }
+    let margin = Position::repeat(gate);
+    (low - margin, high + margin)
+}
+
 /// The stretches of one target.
 fn add_pieces(target: &Target, limit_s: f64, alignment: Alignment, pieces: &mut Vec<(f64, f64)>) {
-    let reach_s = match alignment {
-        Alignment::Interpolate { .. } => 0.0,
-        Alignment::Nearest { .. } => limit_s,
+    let longest_s = match alignment {
+        Alignment::Interpolate { .. } => limit_s,
+        // Each point reaches so far to its side.
+        Alignment::Nearest { .. } => 2.0 * limit_s,
     };
-    let longest_s = limit_s.max(2.0 * reach_s);
     for piece in target
         .points
         .chunk_by(|before, after| after.time_s - before.time_s <= longest_s)
     {
         if let (Some(first), Some(last)) = (piece.first(), piece.last()) {
-            pieces.push((first.time_s - reach_s, last.time_s + reach_s));
+            pieces.push((first.time_s, last.time_s));
         }
     }
 }

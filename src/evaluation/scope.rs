@@ -10,7 +10,7 @@
 //!
 //! So a target that crosses the edge costs nothing on either side of it, and a false track outside costs nothing.
 
-use super::paths::{Alignment, Paths};
+use super::paths::{Alignment, Paths, Reach};
 use crate::model::space::{Place, Space};
 use crate::model::state::Position;
 use crate::model::track::{TrackPoint, TrackSet};
@@ -132,9 +132,8 @@ impl Scope {
         let due = self.due(truth, &mut left_out);
         let judge = Judge {
             scope: self,
-            gate_m,
-            due: Reach::new(&due, alignment, gate_m),
-            all: Reach::new(truth, alignment, gate_m),
+            due: Reach::new(Paths::new(&due, alignment), gate_m),
+            all: Reach::new(Paths::new(truth, alignment), gate_m),
         };
         let mut kept = tracks.clone();
         kept.tracks.clear();
@@ -175,59 +174,16 @@ impl Scope {
     }
 }
 
-/// The paths of a truth, with the box around each, so that most need no look.
-struct Reach<'t> {
-    paths: Paths<'t>,
-    boxes: Vec<(Position, Position)>,
-}
-
 struct Judge<'t> {
     scope: &'t Scope,
-    gate_m: f64,
     due: Reach<'t>,
     all: Reach<'t>,
-}
-
-impl<'t> Reach<'t> {
-    fn new(truth: &'t TruthSet, alignment: Alignment, gate_m: f64) -> Self {
-        let around = |target: &Target| {
-            let places = target.points.iter().map(|point| point.position.xy());
-            let mut corners = (
-                Position::repeat(f64::INFINITY),
-                Position::repeat(f64::NEG_INFINITY),
-            );
-            for place in places {
-                corners = (corners.0.inf(&place), corners.1.sup(&place));
-            }
-            let margin = Position::repeat(gate_m);
-            (corners.0 - margin, corners.1 + margin)
-        };
-        Reach {
-            boxes: truth.targets().iter().map(around).collect(),
-            paths: Paths::new(truth, alignment),
-        }
-    }
-
-    /// Whether any target is within the gate of a place at a time.
-    fn is_near(&self, gate_m: f64, time_s: f64, place: &Place, space: Space) -> bool {
-        let plane = place.xy();
-        self.boxes.iter().enumerate().any(|(target, (low, high))| {
-            let is_in_box = plane >= *low && plane <= *high;
-            is_in_box
-                && self
-                    .paths
-                    .at(target, time_s, 0.0)
-                    .is_some_and(|(there, _)| {
-                        (space.cut(there) - space.cut(*place)).norm() <= gate_m
-                    })
-        })
-    }
 }
 
 impl Judge<'_> {
     fn is_judged(&self, space: Space, point: &TrackPoint) -> bool {
         let (time_s, place) = (point.time_s, &point.estimate.position);
-        let common = if self.all.paths.space() == Space::Volume {
+        let common = if self.all.space() == Space::Volume {
             space
         } else {
             Space::Plane
@@ -235,10 +191,10 @@ impl Judge<'_> {
         if !self.scope.holds_time(time_s) {
             return false;
         }
-        if self.due.is_near(self.gate_m, time_s, place, common) {
+        if self.due.is_near(common, time_s, &common.cut(*place)) {
             return true;
         }
-        !self.all.is_near(self.gate_m, time_s, place, common)
+        !self.all.is_near(common, time_s, &common.cut(*place))
             && self.scope.holds_place(space, place)
     }
 }

@@ -1,7 +1,7 @@
 //! The space in which truth and tracks are put beside each other: their own, or the plane where only one of them has a third
 //! axis.
 
-use crate::model::space::Space;
+use crate::model::space::{Place, Space};
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 
@@ -31,4 +31,22 @@ pub fn warning(truth: &TruthSet, tracks: &TrackSet) -> Option<String> {
             "{flat} of the plane and {high} of a volume (z_m): they are compared in the plane, without heights"
         )
     })
+}
+
+/// A place of a truth or a track as it is compared: a direction in degrees from 0 to 360.
+pub fn compared(space: Space, place: &Place) -> Place {
+    match space {
+        Space::Bearing => Place::new(place.x.to_degrees().rem_euclid(360.0), 0.0, 0.0),
+        Space::Plane | Space::Volume => space.cut(*place),
+    }
+}
+
+/// How far apart two compared places are: of directions, in degrees, the shorter way round.
+pub fn distance(space: Space, left: &Place, right: &Place) -> f64 {
+    let distance = (left - right).norm();
+    if space == Space::Bearing {
+        distance.min(360.0 - distance)
+    } else {
+        distance
+    }
 }

@@ -234,12 +234,7 @@ impl Comparison {
 
     /// How far apart two places are: of directions, in degrees, the shorter way round.
     pub fn distance(&self, left: &Place, right: &Place) -> f64 {
-        let distance = (left - right).norm();
-        if self.space == Some(Space::Bearing) {
-            distance.min(360.0 - distance)
-        } else {
-            distance
-        }
+        spaces::distance(self.space.unwrap_or_default(), left, right)
     }
 
     /// A truth as it is at the time of a track of the same step, both by their places in the lists.
@@ -281,7 +276,7 @@ fn presence(
     velocity: Option<Place>,
 ) -> Presence {
     let (position_m, velocity_mps) = match space {
-        Space::Bearing => (direction(position), None),
+        Space::Bearing => (spaces::compared(space, position), None),
         Space::Plane | Space::Volume => {
             let velocity = velocity.map(|velocity| space.cut(velocity));
             (space.cut(*position), velocity)
@@ -310,10 +305,6 @@ fn presence_after(
             }
         }
     }
-}
-
-fn direction(bearing: &Place) -> Place {
-    Place::new(bearing.x.to_degrees().rem_euclid(360.0), 0.0, 0.0)
 }
 
 /// What is added to a place to find it again: directions repeat after a turn.

@@ -4,10 +4,11 @@ use super::sweep::{Sweep, near_pairs};
 use super::{Comparison, OwnTimes, PointSettings, Presence, presence};
 use crate::evaluation::credit::Credit;
 use crate::evaluation::extent::Extent;
-use crate::evaluation::paths::Paths;
+use crate::evaluation::paths::{Paths, Reach};
 use crate::evaluation::steps::Steps;
 use crate::model::space::{Place, Space};
 use crate::model::track::{TrackPoint, TrackSet};
+use std::collections::HashSet;
 
 /// Who is at a step; tracks with how much later than the step they are.
 #[derive(Default, Clone)]
@@ -46,7 +47,9 @@ impl Comparison {
             );
         }
         self.warn_of_strangers(&present, paths, tracks, outside.is_empty());
-        let outside = self.leave_near(outside, paths, extent);
+        let reach = Reach::new(paths.clone(), self.gate);
+        self.leave_early_and_late(steps, &mut present, &reach);
+        let outside = self.leave_near(outside, paths, &reach, extent);
         let extra = extra_steps(outside, steps.tolerance_s);
         let sweep = Sweep {
             paths,
@@ -99,41 +102,54 @@ impl Comparison {
         }
     }
 
+    /// Leaves out points of a step that are near a target at their own time which is not due at the step: it begins or ends in
+    /// between, and nobody knows whether it was due.
+    fn leave_early_and_late(&mut self, steps: &Steps, present: &mut [Present], reach: &Reach) {
+        let space = self.space.unwrap_or_default();
+        for (present, step_s) in present.iter_mut().zip(steps.times_s()) {
+            let before = present.tracks.len();
+            let truths = &present.truths;
+            present.tracks.retain(|(point, after_s)| {
+                let is_due = |target: usize| {
+                    truths
+                        .binary_search_by_key(&(target as u32), |truth| truth.id)
+                        .is_ok()
+                };
+                let time_s = step_s + after_s;
+                *after_s == 0.0 || !reach.is_near_only(space, time_s, &point.position_m, is_due)
+            });
+            self.facts.between_steps += before - present.tracks.len();
+        }
+    }
+
     /// The points that are near no target at their own time: nobody knows of the others whether they are due.
     fn leave_near(
         &mut self,
         outside: Vec<Outside>,
         paths: &Paths,
+        reach: &Reach,
         extent: &mut Extent,
     ) -> Vec<Outside> {
         let stretches_s = paths.stretches_s();
+        let space = self.space.unwrap_or_default();
         let mut kept = Vec::with_capacity(outside.len());
         for point in outside {
             let after = stretches_s.partition_point(|stretch| stretch.1 < point.time_s);
             let exists = stretches_s
                 .get(after)
                 .is_some_and(|stretch| stretch.0 <= point.time_s);
-            if exists && self.is_near_any(&point, paths, extent) {
+            let place = &point.presence.position_m;
+            let looked_at = if exists { paths.targets().len() } else { 1 };
+            if !extent.goes_on(looked_at) {
+                break;
+            }
+            if exists && reach.is_near(space, point.time_s, place) {
                 self.facts.between_steps += 1;
             } else {
                 kept.push(point);
             }
         }
         kept
-    }
-
-    fn is_near_any(&self, point: &Outside, paths: &Paths, extent: &mut Extent) -> bool {
-        let space = self.space.unwrap_or_default();
-        extent.goes_on(paths.targets().len());
-        (0..paths.targets().len()).any(|target| {
-            let place = paths
-                .at(target, point.time_s, 0.0)
-                .map(|(position, velocity)| {
-                    presence(space, (target, 0), &position, velocity).position_m
-                });
-            place
-                .is_some_and(|place| self.distance(&place, &point.presence.position_m) <= self.gate)
-        })
     }
 
     fn push_steps(
@@ -275,17 +291,16 @@ fn extra_steps(mut outside: Vec<Outside>, tolerance_s: f64) -> Vec<(f64, Present
     let order = |point: &Outside| (point.presence.id, point.presence.point);
     outside.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(order(a).cmp(&order(b))));
     let mut extra: Vec<(f64, Present)> = Vec::new();
+    let mut seen = HashSet::new();
     for Outside { time_s, presence } in outside {
-        let is_new = extra.last().is_none_or(|(first_s, present)| {
-            let is_twice = present
-                .tracks
-                .iter()
-                .any(|(other, _)| other.id == presence.id);
-            time_s - first_s > tolerance_s || is_twice
-        });
-        if is_new {
+        let is_later = extra
+            .last()
+            .is_none_or(|(first_s, _)| time_s - first_s > tolerance_s);
+        if is_later || seen.contains(&presence.id) {
             extra.push((time_s, Present::default()));
+            seen.clear();
         }
+        seen.insert(presence.id);
         if let Some((_, present)) = extra.last_mut() {
             present.tracks.push((presence, 0.0));
         }

@@ -1,6 +1,7 @@
 //! Which way is better: of quantities of metrics by their names, and of the shares of the automaton.
 //!
-//! A quantity that is neither good nor bad by itself (a count of steps, a bias, a bound of a test) has no direction.
+//! A quantity that is neither good nor bad by itself (a count of steps, a bias, a bound of a test) has no direction; nor has a sum over what is
+//! matched (localisation), which grows with every target that is found.
 
 /// Larger is better.
 const HIGHER: &[&str] = &[
@@ -62,9 +63,6 @@ const LOWER: &[&str] = &[
     "idfn",
     "idfp",
     "idsw",
-    "localisation",
-    "localisation_mean",
-    "localisation_sum",
     "mean_absolute_error",
     "mean_establishment_length",
     "missed",

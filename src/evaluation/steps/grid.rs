@@ -1,7 +1,8 @@
 //! Steps at the times of the truth, or on a grid.
 //!
 //! # Method
-//! 1. The times of all targets are steps where the median target has points at half or more of those in its life.
+//! 1. The times of all targets are steps where the median target has points at three quarters or more of those in its life: two clocks
+//!    that take turns leave each a half and a little.
 //! 2. Else targets have clocks of their own, and nobody says where two of them are at one time: then the steps are a grid from
 //!    the first time on, as far apart as the points of a target usually are, at the times at which any target exists.
 
@@ -9,7 +10,7 @@ use super::{MOST_MADE_UP, Steps, sort_times};
 use crate::evaluation::paths::{Paths, gaps_s, median};
 
 /// Of the steps in the life of the median target.
-const LEAST_SHARE: f64 = 0.5;
+const LEAST_SHARE: f64 = 0.75;
 /// Of a period: a step that rounding puts this much outside a stretch is in it.
 const ROUNDING: f64 = 1e-9;
 

@@ -15,7 +15,7 @@ mod grid;
 mod groups;
 mod scans;
 
-use crate::evaluation::paths::Paths;
+use crate::evaluation::paths::{Paths, median};
 use crate::model::scan::Recording;
 use crate::model::track::{Track, TrackSet};
 use serde::Deserialize;
@@ -121,8 +121,16 @@ impl Steps {
                 steps.take_groups(paths, tracks, settings.rule);
             }
         }
+        steps.period_s = steps.usual_spacing_s().or(steps.period_s);
         steps.tell_of_rates();
         steps
+    }
+
+    /// The median time between two steps.
+    fn usual_spacing_s(&self) -> Option<f64> {
+        let mut gaps_s: Vec<f64> = gaps_of([self.times_s()].into_iter()).collect();
+        gaps_s.sort_unstable_by(f64::total_cmp);
+        median(&gaps_s)
     }
 
     /// Tracks that are rarer than the steps miss some for that alone.

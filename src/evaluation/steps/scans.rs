@@ -39,6 +39,7 @@ impl Steps {
             }
         }
         if let Some(paths) = filled {
+            self.tell_of_ends(&sensors, &paths.stretches_s());
             let holes = self.holes(&sensors, &times_s, &paths.stretches_s());
             self.filled = holes.len();
             steps.extend(holes);
@@ -47,6 +48,35 @@ impl Steps {
         let periods_s = sensors.iter().filter_map(|clock| clock.period_s);
         self.period_s = periods_s.reduce(f64::min);
         self.take_windows(steps.into_iter());
+    }
+
+    /// A recording that begins late or ends early judges nothing there.
+    fn tell_of_ends(&mut self, sensors: &[Clock], stretches_s: &[(f64, f64)]) {
+        let scans_s = sensors
+            .iter()
+            .flat_map(|clock| clock.times_s.iter().copied());
+        let (mut first_s, mut last_s) = (f64::INFINITY, f64::NEG_INFINITY);
+        for time_s in scans_s {
+            (first_s, last_s) = (first_s.min(time_s), last_s.max(time_s));
+        }
+        let periods_s = sensors.iter().filter_map(|clock| clock.period_s);
+        let (Some(period_s), Some(from), Some(to)) = (
+            periods_s.reduce(f64::max),
+            stretches_s.first(),
+            stretches_s.last(),
+        ) else {
+            return;
+        };
+        for (lacking_s, where_) in [
+            (first_s - from.0, "before its first"),
+            (to.1 - last_s, "behind its last"),
+        ] {
+            if lacking_s > HOLE * period_s {
+                self.warnings.push(format!(
+                    "the truth reaches {lacking_s:.1} s {where_} scan of the recording: nothing is judged there"
+                ));
+            }
+        }
     }
 
     /// Method, 3: the times of the steps in holes, with the half of the period.

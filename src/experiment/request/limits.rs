@@ -15,6 +15,18 @@ pub fn check_limits(draft: &mut Draft, is_campaign: bool) {
                 Fault::new(&pointer, "missing", detail).allowing("at_most, at_least, or both")
             ]);
         }
+        let bounds: [Option<f64>; 2] =
+            ["at_least", "at_most"].map(|name| draft.read(&format!("{pointer}/{name}")));
+        if let [Some(least), Some(most)] = bounds
+            && least > most
+        {
+            let detail = format!("no number is at least {least} and at most {most}");
+            draft.add([Fault::new(
+                format!("{pointer}/at_least"),
+                "out_of_range",
+                detail,
+            )]);
+        }
         if is_campaign {
             continue;
         }

@@ -1,7 +1,7 @@
 //! `trackloom compare`: two results side by side, and whether the second is worse.
 
 use super::build_server::{Verdict, VerdictFiles, failures, number};
-use super::run::{Trouble, end};
+use super::run::{Format, Trouble, end};
 use crate::model::fault::Fault;
 use crate::service::types::{
     ComparedJob, Comparison, DifferenceVerdict, JobKind, PairedDifference, PairedNumber, PairedOver,
@@ -9,7 +9,7 @@ use crate::service::types::{
 use crate::service::views::compare::{self, Side};
 use crate::service::views::metrics::MetricTable;
 use anyhow::Context;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -32,14 +32,6 @@ pub(super) struct CompareArguments {
     format: Format,
     #[command(flatten)]
     files: VerdictFiles,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// The comparison as JSON, as the service answers it
-    Json,
-    /// A table of what can be told apart, and of headlines
-    Text,
 }
 
 fn confidence(text: &str) -> Result<f64, String> {
@@ -70,7 +62,20 @@ fn finish(arguments: &CompareArguments) -> Result<(), Trouble> {
         }
         Format::Text => print(&comparison),
     }
-    let verdicts = verdicts(&comparison);
+    let mut verdicts = verdicts(&comparison);
+    for metric in compare::lost_metrics(&sides[0], &sides[1]) {
+        verdicts.push(Verdict {
+            name: metric,
+            met: false,
+            detail: "the baseline has this metric, the other result has not".to_owned(),
+        });
+    }
+    if arguments.fail_if_worse && verdicts.is_empty() {
+        let detail = "nothing can be told apart: no number with a better direction has pairs enough for an interval";
+        let fault = Fault::new("--fail-if-worse", "unsupported", detail);
+        let cure = "directories of `trackloom run --out` with the same targets, runs or steps";
+        return Err(vec![fault.allowing(cure)].into());
+    }
     let suite = format!(
         "{} against {}",
         arguments.other.display(),
@@ -99,16 +104,18 @@ fn read_side(path: &Path) -> Result<Side, Trouble> {
                 .allowing("a directory of `trackloom run --out`, or a report.json"),
         ]
     })?;
-    let mut report: Value = serde_json::from_slice(&bytes)
-        .with_context(|| format!("{} is no JSON", report.display()))?;
+    let name = report.display().to_string();
+    let mut report: Value =
+        serde_json::from_slice(&bytes).map_err(|error| damaged(&name, error.to_string()))?;
     let kind = report["kind"].as_str().and_then(JobKind::from_name);
-    let kind = kind.with_context(|| format!("{} is no report of a job", path.display()))?;
+    let kind = kind.ok_or_else(|| damaged(&name, "it is no report of a job".to_owned()))?;
     let beside = |name: &str| {
         let folder = if path.is_dir() { path } else { path.parent()? };
         std::fs::read(folder.join(name)).ok()
     };
     let metrics = match beside("metric-series.csv") {
-        Some(bytes) => MetricTable::read(&bytes).context("metric-series.csv is damaged")?,
+        Some(bytes) => MetricTable::read(&bytes)
+            .map_err(|error| damaged(&name, format!("metric-series.csv beside it: {error}")))?,
         None => MetricTable::default(),
     };
     Ok(Side {
@@ -131,6 +138,10 @@ fn read_side(path: &Path) -> Result<Side, Trouble> {
         truths: beside("metric-truths.csv"),
         runs: beside("runs.csv"),
     })
+}
+
+fn damaged(name: &str, detail: String) -> Vec<Fault> {
+    vec![Fault::new(name, "malformed", detail)]
 }
 
 fn over(number: &PairedNumber) -> &'static str {

@@ -52,8 +52,8 @@ pub(super) struct RunArguments {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// The report as JSON
+pub(super) enum Format {
+    /// All of it as JSON
     Json,
     /// A summary
     Text,

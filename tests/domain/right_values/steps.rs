@@ -121,6 +121,69 @@ fn the_same_tracks_are_judged_alike_tracked_here_or_uploaded() {
     assert_eq!(clear(&texts.judge(&body).unwrap()), [10.0, 0.0, 0.0]);
 }
 
+/// Points on a line of 10 m a second, from a time on, so far apart.
+fn line(id: &str, from_s: f64, gap_s: f64, count: u32, y_m: f64) -> Vec<String> {
+    let time_s = |step: u32| from_s + gap_s * f64::from(step);
+    (0..count)
+        .map(|step| format!("{},{id},{},{y_m}", time_s(step), 10.0 * time_s(step)))
+        .collect()
+}
+
+#[test]
+fn tracks_that_are_the_truth_miss_nothing_and_are_never_false() {
+    // Two clocks that take turns; and three that are fast, of which one begins and ends between the steps asked for.
+    let in_turns = [
+        line("A", 0.0, 10.0, 11, 0.0),
+        line("B", 5.0, 10.0, 11, 500.0),
+    ]
+    .concat();
+    let born = [
+        line("A", 0.0, 1.0, 101, 0.0),
+        line("B", 11.0, 1.0, 87, 500.0),
+    ]
+    .concat();
+    for (rows, comparison, due) in [
+        (&in_turns, json!({"gate_m": 5.0}), 21.0),
+        (
+            &born,
+            json!({"gate_m": 5.0, "steps": "every_s", "every_s": 10.0}),
+            19.0,
+        ),
+        (
+            &born,
+            json!({"gate_m": 5.0, "alignment": {"method": "nearest"}}),
+            188.0,
+        ),
+    ] {
+        let (truth, tracks) = (table(TRUTH, rows.clone()), table(TRACKS, rows.clone()));
+        let outcome = judged(
+            &truth,
+            &tracks,
+            json!({"comparison": comparison, "metrics": [{"metric": "clear"}]}),
+        );
+        assert_eq!(clear(&outcome), [due, 0.0, 0.0], "{comparison}");
+    }
+}
+
+#[test]
+fn a_recording_that_ends_before_the_truth_says_so() {
+    let rows = |id: &str, count: u32| {
+        (0..count)
+            .map(|step| format!("{},{id},{},0", 4 * step, 40 * step))
+            .collect::<Vec<_>>()
+    };
+    let scans = (0..10).map(|step| format!("{},{step},r,d{step},{},0", 4 * step, 40 * step));
+    let mut texts = Texts::of("csv");
+    let body = json!({
+        "truth": texts.dataset(&table(TRUTH, rows("A", 20))), "tracks": texts.dataset(&table(TRACKS, rows("1", 10))),
+        "detections": texts.dataset(&table("time_s,scan,sensor_id,detection_id,x_m,y_m", scans)),
+        "tfa": {"symbols": {"kind": "nearest_truth", "gate_m": 5.0}}, "metrics": [{"metric": "clear"}]
+    });
+    let outcome = texts.judge(&body).unwrap();
+    assert_eq!(clear(&outcome), [10.0, 0.0, 0.0]);
+    super::warning(&outcome, "40.0 s behind its last scan of the recording");
+}
+
 #[test]
 fn tracks_that_are_rarer_than_the_truth_are_told_how_to_be_judged() {
     let truth = table(

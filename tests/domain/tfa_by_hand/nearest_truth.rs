@@ -182,7 +182,10 @@ fn the_scans_of_a_recording_are_the_axis() {
     );
     assert_eq!(
         report.warnings,
-        ["1 target(s) exist at no scan of the recording and were left out"],
+        [
+            "the truth reaches 67.0 s behind its last scan of the recording: nothing is judged there",
+            "1 target(s) exist at no scan of the recording and were left out"
+        ],
         "17 s belongs to the scan at 16 s, which has a nearer point"
     );
 }
