@@ -8,7 +8,7 @@
 
 mod acquaintances;
 pub mod axis;
-pub mod breaks;
+pub mod causes;
 pub mod comparison;
 pub mod credit;
 pub mod events;

@@ -15,7 +15,7 @@ mod bad_association_input;
 mod bearing_time;
 mod bearings;
 mod bounds;
-mod breaks;
+mod causes;
 mod cai_claims;
 #[cfg(feature = "parquet")]
 mod campaign_parquet;

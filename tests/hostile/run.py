@@ -143,7 +143,7 @@ def truth_drawn_out_between_two_points():
     truth = "".join(f"{time_s},{target},0,{target}\n" for target in range(3000) for time_s in (0, 10_000))
     job["truth"] = write("truth.csv", "time_s,truth_id,x_m,y_m\n", truth)
     job["tracks"] = write("tracks.csv", "time_s,track_id,x_m,y_m\n", "".join(f"{time_s},1,0,0\n" for time_s in range(10_000)))
-    job["comparison"] = {"alignment": {"method": "interpolate", "max_gap_s": 1e6}}
+    job["comparison"] = {"alignment": {"method": "interpolate", "max_gap_s": 1e6}, "steps": "every_s", "every_s": 1}
     return job
 
 

@@ -1,12 +1,14 @@
 //! Metrics of a job: truth and tracks of each sequence put side by side, the log of events, every metric over all
 //! sequences together and over each alone, and the files that say more than the report.
 
+use super::causes;
 use super::compare::{Subject, compare, never_near, refuse_mixtures};
 use super::head::compared;
 use super::metric_files::{self, MAX_PAIRS, Reports};
 use super::progress::MetricProgress;
 use super::report::{event_counts, metrics_value};
 use super::spec::ComparisonSpec;
+use crate::evaluation::causes::Episode;
 use crate::evaluation::comparison::Comparison;
 use crate::evaluation::events::EventLog;
 use crate::evaluation::metrics::{BuildMetric, Metric, Sequence};
@@ -63,6 +65,7 @@ pub fn compute_metrics(
             input: subject.content.input(),
         })
         .collect();
+    let episodes = progress.watching(|watch| causes::explain(&sequences, spec, watch))?;
     let together = evaluate(&metrics, &sequences, &mut progress)?;
     let mut alone = Vec::new();
     if are_several {
@@ -75,11 +78,17 @@ pub fn compute_metrics(
     } else {
         vec![&together]
     };
-    let mut parts = report(subjects, &sequences, &together, &alone, &of_each);
+    let judged = Judged {
+        subjects,
+        sequences: &sequences,
+        episodes: &episodes,
+        of_each: &of_each,
+    };
+    let mut parts = judged.report(&together, &alone);
     let head = compared(spec, left_out, subjects, &comparisons);
     parts.extend(head.map(|head| ("comparison".to_owned(), json!(head))));
     let (artifacts, pairs) = if wants_files {
-        files(subjects, &sequences, &of_each, &parts)
+        judged.files(&parts)
     } else {
         Default::default()
     };
@@ -129,43 +138,45 @@ fn evaluate<'m>(
     Ok(reports)
 }
 
-fn report(
-    subjects: &[Subject],
-    sequences: &[Sequence],
-    together: &Reports,
-    alone: &[Reports],
-    of_each: &[&Reports],
-) -> Map<String, Value> {
-    let mut parts = Map::new();
-    parts.insert("metrics".to_owned(), metrics_value(together, Some(of_each)));
-    parts.insert("events".to_owned(), event_counts(subjects, sequences));
-    if !alone.is_empty() {
-        let lines = subjects.iter().zip(alone).map(|(subject, reports)| {
-            json!({"name": subject.name, "metrics": metrics_value(reports, None)})
-        });
-        parts.insert("sequences".to_owned(), lines.collect());
-    }
-    parts
+/// What was judged, and what each sequence says.
+struct Judged<'j> {
+    subjects: &'j [Subject<'j>],
+    sequences: &'j [Sequence<'j>],
+    episodes: &'j [Vec<Episode>],
+    of_each: &'j [&'j Reports<'j>],
 }
 
-/// The files, and how many pairs there are.
-fn files(
-    subjects: &[Subject],
-    sequences: &[Sequence],
-    of_each: &[&Reports],
-    parts: &Map<String, Value>,
-) -> (Vec<Artifact>, usize) {
-    let names: Vec<&str> = subjects.iter().map(|subject| subject.name).collect();
-    let (mut files, pairs) = metric_files::files(&names, sequences, of_each);
-    if let Some(text) = text::metrics(&Value::Object(parts.clone())) {
-        let bytes = (text + "\n").into_bytes();
-        files.push(Artifact::file(
-            "metrics.txt",
-            "text/plain; charset=utf-8",
-            bytes,
-        ));
+impl Judged<'_> {
+    fn report(&self, together: &Reports, alone: &[Reports]) -> Map<String, Value> {
+        let mut parts = Map::new();
+        let metrics = metrics_value(together, Some(self.of_each));
+        let events = event_counts(self.subjects, self.sequences, self.episodes);
+        parts.insert("metrics".to_owned(), metrics);
+        parts.insert("events".to_owned(), events);
+        if !alone.is_empty() {
+            let lines = self.subjects.iter().zip(alone).map(|(subject, reports)| {
+                json!({"name": subject.name, "metrics": metrics_value(reports, None)})
+            });
+            parts.insert("sequences".to_owned(), lines.collect());
+        }
+        parts
     }
-    (files, pairs)
+
+    /// The files, and how many pairs there are.
+    fn files(&self, parts: &Map<String, Value>) -> (Vec<Artifact>, usize) {
+        let names: Vec<&str> = self.subjects.iter().map(|subject| subject.name).collect();
+        let (mut files, pairs) = metric_files::files(&names, self.sequences, self.of_each);
+        files.push(causes::file(&names, self.sequences, self.episodes));
+        if let Some(text) = text::metrics(&Value::Object(parts.clone())) {
+            let bytes = (text + "\n").into_bytes();
+            files.push(Artifact::file(
+                "metrics.txt",
+                "text/plain; charset=utf-8",
+                bytes,
+            ));
+        }
+        (files, pairs)
+    }
 }
 
 fn warnings(subjects: &[Subject], comparisons: &[Comparison], together: &Reports) -> Vec<String> {

@@ -1,6 +1,7 @@
 //! Judges tracks, those that are given or those that it makes first: by metrics, and by the temporal automaton.
 
 mod automaton;
+mod causes;
 mod check;
 mod compare;
 mod fields;
@@ -15,6 +16,7 @@ mod spec;
 mod within;
 
 pub use fields::EVALUATE;
+pub use causes::{Break, CauseCount};
 pub use head::Compared;
 
 use crate::evaluation::metrics::BuildMetric;

@@ -1,16 +1,14 @@
 //! What the metrics say, as parts of a report.
 
+use super::causes;
 use super::compare::Subject;
 use super::metric_files::{self, Reports, TIME};
-use crate::evaluation::breaks::{self, Break};
+use crate::evaluation::causes::Episode;
 use crate::evaluation::comparison::Comparison;
 use crate::evaluation::events::EventKind;
 use crate::evaluation::metrics::{MetricReport, Quantity, Sequence, Series};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-
-/// Breaks that the report explains; all of them are in the file of events.
-const MAX_BREAKS: usize = 1000;
 
 /// The metrics of a report. `of_each` is what they say of each sequence: then the report tells how its numbers are made, and what
 /// a sequence says is made of its own rows in the same way.
@@ -83,7 +81,11 @@ struct Number {
 }
 
 /// The part `events` of a report.
-pub fn event_counts(subjects: &[Subject], sequences: &[Sequence]) -> Value {
+pub fn event_counts(
+    subjects: &[Subject],
+    sequences: &[Sequence],
+    episodes: &[Vec<Episode>],
+) -> Value {
     let count = |kind| {
         sequences
             .iter()
@@ -100,34 +102,12 @@ pub fn event_counts(subjects: &[Subject], sequences: &[Sequence]) -> Value {
             .map(|sequence| of(sequence.comparison))
             .sum::<usize>()
     };
-    let is_named = sequences.len() > 1;
-    let explained = subjects
-        .iter()
-        .zip(sequences)
-        .flat_map(|(subject, sequence)| breaks_of(subject, sequence, is_named));
-    let breaks: Vec<Break> = explained.take(MAX_BREAKS).collect();
     json!({
         "counts": counts,
-        "breaks": breaks,
+        "causes": causes::counts(episodes),
+        "breaks": causes::breaks(subjects, sequences, episodes),
         "steps": total(|comparison| comparison.steps.len()),
         "truth_points": total(|comparison| comparison.truths.len()),
         "track_points": total(|comparison| comparison.tracks.len())
-    })
-}
-
-fn breaks_of<'a>(
-    subject: &'a Subject,
-    sequence: &'a Sequence,
-    is_named: bool,
-) -> impl Iterator<Item = Break> + use<'a> {
-    let name = is_named.then(|| subject.name.to_owned());
-    let breaks = breaks::explain(
-        sequence.comparison,
-        sequence.events,
-        sequence.input.as_ref(),
-    );
-    breaks.map(move |found| Break {
-        sequence: name.clone(),
-        ..found
     })
 }

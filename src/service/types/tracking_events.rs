@@ -1,6 +1,7 @@
 //! What happened to targets and tracks, as the report of an evaluation counts it.
 
-pub use crate::evaluation::breaks::{Break as TrackBreak, BreakCause};
+pub use crate::evaluation::causes::{Cause as EventCause, Fate as BreakCause};
+pub use crate::experiment::{Break as TrackBreak, CauseCount};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -8,6 +9,8 @@ use utoipa::ToSchema;
 #[derive(Debug, Serialize, ToSchema)]
 pub struct EventCounts {
     pub counts: EventKindCounts,
+    /// How often what happened for which reason; each time is a line of `causes.csv`, in words.
+    pub causes: Vec<CauseCount>,
     /// Why tracks broke; the first thousand.
     pub breaks: Vec<TrackBreak>,
     /// Times at which truth and tracks were compared.
