@@ -54,6 +54,7 @@ pub struct Break {
     /// When the track was last given a detection; null where tracks do not say.
     pub last_detection_time_s: Option<f64>,
     /// Why, in words.
+    #[cfg_attr(feature = "service", schema(required = false))]
     pub sentence: String,
 }
 

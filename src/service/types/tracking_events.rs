@@ -10,6 +10,7 @@ use utoipa::ToSchema;
 pub struct EventCounts {
     pub counts: EventKindCounts,
     /// How often what happened for which reason; each time is a line of `causes.csv`, in words.
+    #[schema(required = false)]
     pub causes: Vec<CauseCount>,
     /// Why tracks broke; the first thousand.
     pub breaks: Vec<TrackBreak>,

@@ -15,6 +15,7 @@ export type CorrelateResult = Schemas["CorrelateResult"];
 export type Dataset = Schemas["DatasetInfo"];
 export type DatasetPage = Schemas["DatasetPage"];
 export type DatasetPreview = Schemas["DatasetPreview"];
+export type CauseCount = Schemas["CauseCount"];
 export type EventCounts = Schemas["EventCounts"];
 export type Fault = Schemas["FaultItem"];
 export type Gates = Schemas["GatesSeries"];

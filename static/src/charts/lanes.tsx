@@ -39,13 +39,13 @@ interface Props {
 
 function tableOf(lanes: Lane[], origin_s: number): TableData {
   const runs = lanes.flatMap((lane) =>
-    lane.runs.map((run) => [lane.truth, "followed by", run.track, run.from, run.to]),
+    lane.runs.map((run) => [lane.truth, "followed by", run.track, run.from, run.to, ""]),
   );
   const marks = lanes.flatMap((lane) =>
-    lane.marks.map((mark) => [lane.truth, mark.kind, mark.track, mark.time, mark.time]),
+    lane.marks.map(({ kind, track, time, why }) => [lane.truth, kind, track, time, time, why]),
   );
   return {
-    columns: ["truth_id", "what", "track_id", "from_s", "to_s"],
+    columns: ["truth_id", "what", "track_id", "from_s", "to_s", "why"],
     rows: [...runs, ...marks],
     origin_s,
   };
@@ -215,10 +215,11 @@ function LaneRow({ lane, y, x, palette, origin, href }: RowProps): JSX.Element {
       {lane.marks.map((mark) => {
         const when = `${NAMES[mark.kind]} at ${timeText(mark.time, origin)}`;
         const label = `${lane.truth}: ${when}${mark.track ? `, track ${mark.track}` : ""}`;
+        const why = mark.why ? `${label}. ${mark.why}` : label;
         return (
           <Link
             href={href({ ...mark, truth: lane.truth })}
-            label={label}
+            label={why}
             class={`lane-mark lane-${mark.kind}`}
           >
             <Sign kind={mark.kind} x={x(mark.time)} y={middle} />

@@ -53,7 +53,14 @@ export function JobMetrics({ job, report }: { job: Job; report: Report }): JSX.E
       />
       <MetricCurves metrics={shown} file={file} />
       {events ? (
-        <EventViews job={job} sequence={ofSequence} file={file} origin={origin} hasPlan={hasPlan} />
+        <EventViews
+          job={job}
+          sequence={ofSequence}
+          file={file}
+          origin={origin}
+          causes={events.causes}
+          hasPlan={hasPlan}
+        />
       ) : null}
     </div>
   );

@@ -3,7 +3,7 @@
 
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { Cell, Job } from "../api/types";
+import type { CauseCount, Cell, Job } from "../api/types";
 import { type EventLog, type LogEntry, lanesOf, readEvents } from "../charts/event-log";
 import { type EventMoment, laneHref, planHref } from "../charts/event-moment";
 import { Lanes } from "../charts/lanes";
@@ -13,8 +13,24 @@ import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { capital, count, number, plural, words } from "../format";
-import { param, setParams } from "../state/url";
+import { hereHref, param, setParams } from "../state/url";
 import { timeCell, timeHead, timeText, timeTitle } from "../times";
+
+/** Why things happen, in the words of a table. */
+const CAUSES: Record<CauseCount["cause"], string> = {
+  outside_coverage: "Outside the field of view of every sensor",
+  no_detection: "No detection within the gate",
+  took_target: "The track took another target",
+  took_clutter: "The track took detections of no target",
+  ended: "The tracker ended the track",
+  left_gate: "The track lives on outside the gate",
+  silent: "The track has no point at the time",
+  not_confirmed: "A track is near and not yet known",
+  no_track: "Detected, and no track is near",
+  second_track: "A second track is near",
+  target_gone: "The target it followed is no more",
+  unknown: "No target within the gate",
+};
 
 const LANES_AT_ONCE = 40;
 const EVENTS_AT_ONCE = 200;
@@ -24,6 +40,8 @@ interface EventViewsProps {
   sequence: string;
   file: string;
   origin: number;
+  /** How often what happened for which reason; of jobs of today. */
+  causes: CauseCount[] | undefined;
   /** Whether the plan view has places to show; boxes have none. */
   hasPlan: boolean;
 }
@@ -38,8 +56,9 @@ interface EventParts {
   place: string;
 }
 
-export function EventViews({ job, sequence, file, origin, hasPlan }: EventViewsProps): JSX.Element {
-  const log = useResource(() => readEvents(job.id), [job.id]);
+export function EventViews(props: EventViewsProps): JSX.Element {
+  const { job, sequence, file, origin, causes, hasPlan } = props;
+  const log = useResource(() => readEvents(job.id, causes !== undefined), [job.id]);
   if (log.error) return <ProblemBox error={log.error} retry={log.reload} />;
   if (!log.data) return <Loading what="the events" />;
   const target = hasPlan
@@ -49,8 +68,41 @@ export function EventViews({ job, sequence, file, origin, hasPlan }: EventViewsP
   return (
     <>
       <LaneView {...parts} />
+      {causes?.length ? <CauseTable causes={causes} file={file} /> : null}
       <EventTable {...parts} />
     </>
+  );
+}
+
+/** Of all sequences together: each kind of event leads to its rows below. */
+function CauseTable({ causes, file }: { causes: CauseCount[]; file: string }): JSX.Element {
+  const columns = ["event", "cause", "episodes", "events"];
+  const rows = causes.map(({ event, cause, episodes, events }) => [event, cause, episodes, events]);
+  return (
+    <TableFrame title="Causes" file={`causes-${file}`} table={() => ({ columns, rows })}>
+      <TableScroll label="Causes">
+        <table class="data">
+          <HeadRow heads={["Event", "Cause", numberHead("Stretches"), numberHead("Events")]} />
+          <tbody>
+            {causes.map(({ event, cause, episodes, events }) => (
+              <tr>
+                <td>{capital(words(event))}</td>
+                <td>{CAUSES[cause]}</td>
+                <td class="num">{count(episodes)}</td>
+                <td class="num">
+                  <Link
+                    href={hereHref({ event })}
+                    label={`${count(events)}: show each ${words(event)}`}
+                  >
+                    {count(events)}
+                  </Link>
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </TableScroll>
+    </TableFrame>
   );
 }
 
@@ -111,8 +163,8 @@ function KindChoice({ log, asked }: { log: EventLog; asked: string[] }): JSX.Ele
 }
 
 function rowOf(entry: LogEntry): Cell[] {
-  const { step, time, kind, truth, track, distance } = entry;
-  return [step, time, kind, truth || null, track || null, distance];
+  const { step, time, kind, truth, track, distance, why } = entry;
+  return [step, time, kind, truth || null, track || null, distance, why];
 }
 
 function EventTable({ log, sequence, file, origin, href, place }: EventParts): JSX.Element {
@@ -126,7 +178,7 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
   const found = log.entries.filter(
     (entry) => entry.sequence === sequence && asked.includes(entry.kind),
   );
-  const columns = ["step", "time_s", "event", "truth_id", "track_id", "distance"];
+  const columns = ["step", "time_s", "event", "truth_id", "track_id", "distance", "why"];
   const table = (): TableData => ({ columns, rows: found.map(rowOf), origin_s: origin });
   const tools = (
     <div class="filters frame-filters" ref={head}>
@@ -146,7 +198,14 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
         <TableScroll label="Events">
           <table class="data">
             <HeadRow
-              heads={[numberHead(timeName), "Event", "Truth", "Track", numberHead("Distance")]}
+              heads={[
+                numberHead(timeName),
+                "Event",
+                "Truth",
+                "Track",
+                numberHead("Distance"),
+                "Why",
+              ]}
             />
             <tbody>
               {found.slice(0, EVENTS_AT_ONCE).map((entry) => (
@@ -160,6 +219,7 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
                   <td class="mono">{entry.truth || "–"}</td>
                   <td class="mono">{entry.track || "–"}</td>
                   <td class="num">{number(entry.distance)}</td>
+                  <td>{entry.why}</td>
                 </tr>
               ))}
             </tbody>
