@@ -258,7 +258,7 @@ fn the_automaton_judges_bearings_by_detection_id() {
 fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
     let dataset =
         json!({"source": "dataset", "dataset_id": "0198c0de-0000-7000-8000-000000000000"});
-    let asked = json!({"input": dataset, "truth": dataset, "filter": {"method": "bearing_only"}, "metrics": [{"metric": "gospa", "cutoff_m": 100.0}]});
+    let asked = json!({"input": dataset, "truth": dataset, "filter": {"method": "bearing_only"}, "metrics": [{"metric": "siap"}]});
     let faults = experiment::plan(experiment::JobKind::Evaluate, &asked).unwrap_err();
     assert_eq!(
         (
@@ -270,7 +270,7 @@ fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
     );
 
     // Tracks of a file are known to be directions only when they are read.
-    let judged = json!({"tracks": dataset, "truth": dataset, "detections": dataset, "metrics": [{"metric": "gospa", "cutoff_m": 100.0}]});
+    let judged = json!({"tracks": dataset, "truth": dataset, "detections": dataset, "metrics": [{"metric": "siap"}]});
     let plan = experiment::plan(experiment::JobKind::Evaluate, &judged).unwrap();
     let tracks = "time_s,track_id,bearing_deg,detection_id\n0,1,359.5,0-t0\n1,1,359.5,1-t0\n";
     let of = |pointer: &str| match pointer {
@@ -290,7 +290,7 @@ fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
     assert_eq!(
         outcome.result["metrics"],
         Value::Null,
-        "gospa alone was asked for"
+        "SIAP alone was asked for"
     );
     assert_eq!(
         outcome.warnings,

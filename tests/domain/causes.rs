@@ -172,7 +172,11 @@ fn beginnings_and_ends_are_explained_by_what_was_seen() {
     );
     let miss = &told.episodes[0];
     let seen = miss.seen.unwrap();
-    assert_eq!((seen.seen, seen.scans), (2, 3), "of the scans at 0, 1 and 2 s");
+    assert_eq!(
+        (seen.seen, seen.scans),
+        (2, 3),
+        "of the scans at 0, 1 and 2 s"
+    );
     assert_eq!(miss.part, Some(Part::Beginning));
 }
 

@@ -15,11 +15,11 @@ mod bad_association_input;
 mod bearing_time;
 mod bearings;
 mod bounds;
-mod causes;
 mod cai_claims;
 #[cfg(feature = "parquet")]
 mod campaign_parquet;
 mod campaigns;
+mod causes;
 mod coalescence;
 mod correlate_jobs;
 mod correlators;

@@ -69,7 +69,10 @@ impl Episode {
                 EventKind::Switch => format!("{lost} is still within the gate"),
                 _ => format!("{} follows it", names.track(self.other_track)),
             },
-            Cause::TargetGone => format!("{}, which it followed, is no more", names.target(self.truth)),
+            Cause::TargetGone => format!(
+                "{}, which it followed, is no more",
+                names.target(self.truth)
+            ),
             Cause::Unknown => "no target is within the gate".to_owned(),
         }
     }

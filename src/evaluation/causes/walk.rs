@@ -178,7 +178,11 @@ impl<'a> Walk<'a> {
             (other.kind, other.truth, other.track)
                 == (EventKind::Redundant, Some(truth), Some(before))
         });
-        let cause = if is_beside { Cause::SecondTrack } else { loss.cause };
+        let cause = if is_beside {
+            Cause::SecondTrack
+        } else {
+            loss.cause
+        };
         self.found.push(Episode {
             truth: Some(truth),
             track: Some(track),
@@ -211,8 +215,13 @@ impl<'a> Walk<'a> {
 
     /// A track that follows nobody.
     fn be_alone(&mut self, event: &Event, step: &ComparedStep, track: u32) {
-        let goes_on = |episode: &Episode| (episode.event, episode.truth) == (event.kind, event.truth);
-        if !self.tracks[track as usize].alone.as_ref().is_some_and(goes_on) {
+        let goes_on =
+            |episode: &Episode| (episode.event, episode.truth) == (event.kind, event.truth);
+        if !self.tracks[track as usize]
+            .alone
+            .as_ref()
+            .is_some_and(goes_on)
+        {
             self.end_alone(track);
         }
         let took = self.took(event.step as usize, step, track);
@@ -333,7 +342,11 @@ impl<'a> Walk<'a> {
         }
         self.found.sort_by_key(|episode| {
             let is_of_track = is_of_track(episode.event);
-            let whose = if is_of_track { episode.track } else { episode.truth };
+            let whose = if is_of_track {
+                episode.track
+            } else {
+                episode.truth
+            };
             (episode.from_step, is_of_track, whose, episode.event)
         });
         self.found

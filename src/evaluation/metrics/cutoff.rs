@@ -7,8 +7,10 @@
 //! A pair at c or beyond costs as much as two strangers. So among the pairs with d < c those matter whose (d / c)ᵖ − 1 is
 //! gained, and an assignment of least cost over them, anyone free to stay alone at 0, is a best one over all pairs.
 
+use super::Sequence;
 use crate::evaluation::comparison::{ComparedStep, Comparison, Pair};
 use crate::math::assignment::AssignmentSolver;
+use crate::model::space::Space;
 use crate::registry::{Field, Kind, default, number};
 use serde::Deserialize;
 
@@ -29,10 +31,57 @@ pub const ORDER: Field = default(
     "2.0",
 );
 
+pub const CUTOFF_DEG: Field = default(
+    "cutoff_deg",
+    "The same of directions.",
+    number(1e-6, 180.0, "°"),
+    "10.0",
+);
+
+/// c of places in metres; of directions the same field holds degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Cutoff {
     pub cutoff_m: f64,
     pub p: f64,
+}
+
+/// c of places and of directions, and the order of both.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Cutoffs {
+    pub cutoff_m: f64,
+    pub cutoff_deg: f64,
+    pub p: f64,
+}
+
+/// What distances are measured in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    pub cutoff: Cutoff,
+    /// The parameter that holds c.
+    pub parameter: &'static str,
+    pub name: &'static str,
+    pub power: &'static str,
+}
+
+impl Cutoffs {
+    /// Those of the first sequence; all are of one space.
+    pub fn unit(self, sequences: &[Sequence]) -> Unit {
+        let space = sequences.first().and_then(|first| first.comparison.space);
+        let (c, parameter, name, power) = match space {
+            Some(Space::Bearing) => (self.cutoff_deg, "cutoff_deg", "deg", "deg^p"),
+            _ => (self.cutoff_m, "cutoff_m", "m", "m^p"),
+        };
+        let cutoff = Cutoff {
+            cutoff_m: c,
+            p: self.p,
+        };
+        Unit {
+            cutoff,
+            parameter,
+            name,
+            power,
+        }
+    }
 }
 
 impl Cutoff {
@@ -77,6 +126,28 @@ impl Matcher {
         comparison: &Comparison,
         step: &ComparedStep,
         cutoff: Cutoff,
+        matched: impl FnMut(&Pair, f64),
+    ) {
+        self.assign_by(
+            comparison,
+            step,
+            |pair| {
+                if pair.distance < cutoff.cutoff_m {
+                    cutoff.share_of(pair.distance)
+                } else {
+                    1.0
+                }
+            },
+            matched,
+        );
+    }
+
+    /// The same with shares of one's own; a pair with a share of 1 or more is no better than two strangers.
+    pub fn assign_by(
+        &mut self,
+        comparison: &Comparison,
+        step: &ComparedStep,
+        share: impl Fn(&Pair) -> f64,
         mut matched: impl FnMut(&Pair, f64),
     ) {
         let pairs = &comparison.pairs[step.pairs.clone()];
@@ -85,11 +156,8 @@ impl Matcher {
         let mut first = 0;
         for row in pairs.chunk_by(|left, right| left.truth == right.truth) {
             for pair in row {
-                let gain = if pair.distance < cutoff.cutoff_m {
-                    cutoff.share_of(pair.distance) - 1.0
-                } else {
-                    f64::NAN
-                };
+                let share = share(pair);
+                let gain = if share < 1.0 { share - 1.0 } else { f64::NAN };
                 self.solver
                     .push_edge(pair.track - step.tracks.start as u32, gain);
             }
@@ -105,7 +173,7 @@ impl Matcher {
         for (row, first) in self.first_of_row.iter().enumerate() {
             if let Some(edge) = self.solver.edge_of(row) {
                 let pair = &pairs[first + edge];
-                matched(pair, cutoff.share_of(pair.distance));
+                matched(pair, share(pair));
             }
         }
     }

@@ -43,6 +43,7 @@ const HIGHER: &[&str] = &[
 const LOWER: &[&str] = &[
     "across_rmse",
     "along_rmse",
+    "bearing_rmse",
     "breaks",
     "cardinality",
     "divergences",
@@ -63,6 +64,8 @@ const LOWER: &[&str] = &[
     "idfn",
     "idfp",
     "idsw",
+    "labelled_ospa",
+    "labelling",
     "mean_absolute_error",
     "mean_establishment_length",
     "missed",
@@ -73,6 +76,8 @@ const LOWER: &[&str] = &[
     "ml_share",
     "motp_distance",
     "ospa",
+    "ospa2",
+    "ospa2_whole",
     "position_95",
     "position_accuracy",
     "position_rmse",
@@ -110,7 +115,9 @@ mod tests {
     #[test]
     fn headlines_agree_with_their_metrics_and_names_are_those_of_quantities() {
         let scene = main_scene(10.0);
-        let mut known = BTreeSet::from(["correct", "missed", "false", "z_rmse"].map(str::to_owned));
+        let mut known = BTreeSet::from(
+            ["correct", "missed", "false", "z_rmse", "bearing_rmse"].map(str::to_owned),
+        );
         for method in crate::evaluation::metrics::METRICS {
             let report = evaluate(method.name, json!({}), std::slice::from_ref(&scene));
             let headline = report.quantities.iter().find(|quantity| {

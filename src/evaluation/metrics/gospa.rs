@@ -6,7 +6,7 @@
 //! International Conference on Information Fusion, 2017.
 //!
 //! # Symbols
-//! c cutoff, p order, d distance; α = 2 throughout, the value at which the parts are what they are called.
+//! c cutoff, p order, d distance (m, of directions degrees), s penalty of a switch; α = 2 throughout, the value at which the parts are what they are called.
 //!
 //! # Method
 //! 1. GOSPAᵖ = min Σ dᵖ + cᵖ/2 (missed + false) over all partial assignments; a pair at c or beyond is one missed truth and
@@ -16,7 +16,7 @@
 //! 3. The headline is the sum over all steps of all sequences, divided by the steps at which a target is due: so a false track costs
 //!    as much where no target is. The parts are p-th powers, summed over steps.
 
-use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
+use super::cutoff::{CUTOFF_DEG, CUTOFF_M, Cutoff, Cutoffs, Matcher, ORDER, Unit};
 use super::origin::{
     DUE_STEPS, Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
@@ -38,10 +38,11 @@ static PARAMETERS: Object = Object {
     summary: "Sum of position errors, missed truths and false tracks at each step, alpha = 2.",
     fields: &[
         CUTOFF_M,
+        CUTOFF_DEG,
         ORDER,
         default(
             "switch_penalty_m",
-            "What a truth's change of track costs at a step; 0 leaves changes out.",
+            "What a truth's change of track costs at a step; 0 leaves changes out. Of directions it is as large a part of their cutoff.",
             number(0.0, 1e7, "m"),
             "0.0",
         ),
@@ -51,7 +52,15 @@ static PARAMETERS: Object = Object {
 #[derive(Deserialize)]
 struct Gospa {
     #[serde(flatten)]
-    cutoff: Cutoff,
+    cutoffs: Cutoffs,
+    switch_penalty_m: f64,
+}
+
+/// In metres or in degrees.
+struct InUnit {
+    unit: Unit,
+    /// sᵖ / cᵖ.
+    switch_share: f64,
     switch_penalty_m: f64,
 }
 
@@ -79,13 +88,32 @@ struct Memory {
 
 impl Metric for Gospa {
     fn accepts(&self, space: Option<Space>) -> bool {
-        space.is_some_and(Space::has_places)
+        space.is_some()
     }
 
     fn reach_m(&self, _: f64) -> f64 {
-        self.cutoff.cutoff_m
+        self.cutoffs.cutoff_m
     }
 
+    fn reach_deg(&self, _: f64) -> f64 {
+        self.cutoffs.cutoff_deg
+    }
+
+    fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        let of_places = Cutoff {
+            cutoff_m: self.cutoffs.cutoff_m,
+            p: self.cutoffs.p,
+        };
+        let gospa = InUnit {
+            unit: self.cutoffs.unit(sequences),
+            switch_share: of_places.share_of(self.switch_penalty_m),
+            switch_penalty_m: self.switch_penalty_m,
+        };
+        gospa.evaluate(sequences)
+    }
+}
+
+impl InUnit {
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let mut powers = Vec::new();
         let steps: Vec<Parts> = sequences
@@ -101,16 +129,13 @@ impl Metric for Gospa {
         report.origins = self.origins();
         if sequences.len() == 1 {
             report.series = self.series(&steps);
-            report.pairs = vec![PairColumn::new("power", "m^p", powers)];
+            report.pairs = vec![PairColumn::new("power", self.unit.power, powers)];
         }
         report
     }
-}
-
-impl Gospa {
     fn parameters(&self) -> serde_json::Value {
-        let Cutoff { cutoff_m, p } = self.cutoff;
-        json!({"cutoff_m": cutoff_m, "p": p, "alpha": 2.0, "switch_penalty_m": self.switch_penalty_m})
+        let Cutoff { cutoff_m, p } = self.unit.cutoff;
+        json!({self.unit.parameter: cutoff_m, "p": p, "alpha": 2.0, "switch_penalty_m": self.switch_penalty_m})
     }
 
     fn steps(&self, comparison: &Comparison, powers: &mut Powers) -> Vec<Parts> {
@@ -138,10 +163,10 @@ impl Gospa {
         let mut parts = Parts::default();
         memory.now.clear();
         memory.now.resize(step.truths.len(), None);
-        matcher.assign(comparison, step, self.cutoff, |pair, share| {
+        matcher.assign(comparison, step, self.unit.cutoff, |pair, share| {
             parts.localisation += share;
             parts.matched += 1;
-            powers.push((pair.truth, pair.track, self.cutoff.powers(share)));
+            powers.push((pair.truth, pair.track, self.unit.cutoff.powers(share)));
             memory.now[pair.truth as usize - step.truths.start] =
                 Some(comparison.tracks[pair.track as usize].id);
         });
@@ -149,8 +174,9 @@ impl Gospa {
         parts.unwanted = step.tracks.len() - parts.matched;
         parts.switches = memory.switches(comparison, step);
         let strangers = 0.5 * (parts.missed + parts.unwanted) as f64;
-        let switching = parts.switches * self.cutoff.share_of(self.switch_penalty_m);
+        let switching = parts.switches * self.switch_share;
         parts.distance_m = self
+            .unit
             .cutoff
             .metres(parts.localisation + strangers + switching);
         parts
@@ -159,12 +185,12 @@ impl Gospa {
     fn quantities(&self, steps: &[Parts], due: usize) -> Vec<Quantity> {
         let count = due as f64;
         let sum = |of: fn(&Parts) -> f64| steps.iter().map(of).sum::<f64>();
-        let parts = PARTS.map(|(_, of)| self.cutoff.powers(of(self, &Parts::sum(steps))));
+        let parts = PARTS.map(|(_, of)| self.unit.cutoff.powers(of(self, &Parts::sum(steps))));
         let mut quantities = vec![Quantity::ratio(
             "gospa",
             sum(|step| step.distance_m),
             count,
-            "m",
+            self.unit.name,
             NOTHING_DUE,
         )];
         let totals = [
@@ -183,13 +209,12 @@ impl Gospa {
             totals
                 .iter()
                 .zip(parts)
-                .map(|(name, part)| Quantity::new(name, part, "m^p")),
+                .map(|(name, part)| Quantity::new(name, part, self.unit.power)),
         );
         quantities.extend(
-            means
-                .iter()
-                .zip(parts)
-                .map(|(name, part)| Quantity::ratio(name, part, count, "m^p", NOTHING_DUE)),
+            means.iter().zip(parts).map(|(name, part)| {
+                Quantity::ratio(name, part, count, self.unit.power, NOTHING_DUE)
+            }),
         );
         quantities.extend([
             Quantity::new("matched", sum(|step| step.matched as f64), ""),
@@ -205,9 +230,8 @@ impl Gospa {
     fn origins(&self) -> Vec<Origin> {
         let (sum, half, penalty) = (
             Statistic::Sum,
-            0.5 * self.cutoff.powers(1.0),
-            self.cutoff
-                .powers(self.cutoff.share_of(self.switch_penalty_m)),
+            0.5 * self.unit.cutoff.powers(1.0),
+            self.unit.cutoff.powers(self.switch_share),
         );
         let parts = ["localisation", "missed", "false", "switching"];
         let totals = [
@@ -252,7 +276,7 @@ impl Gospa {
                     "series.switching",
                 ],
             )
-            .root(self.cutoff.p),
+            .root(self.unit.cutoff.p),
         ]);
         origins
     }
@@ -260,14 +284,14 @@ impl Gospa {
     fn series(&self, steps: &[Parts]) -> Vec<Series> {
         let mut series = vec![Series::over_time(
             "gospa",
-            "m",
+            self.unit.name,
             steps.iter().map(|step| Some(step.distance_m)),
         )];
         series.extend(PARTS.map(|(name, of)| {
             let values = steps
                 .iter()
-                .map(|step| Some(self.cutoff.powers(of(self, step))));
-            Series::over_time(name, "m^p", values)
+                .map(|step| Some(self.unit.cutoff.powers(of(self, step))));
+            Series::over_time(name, self.unit.power, values)
         }));
         series.push(Series::over_time(
             "switches",
@@ -279,13 +303,13 @@ impl Gospa {
 }
 
 /// The parts by name, each as a share of cᵖ.
-type Part = fn(&Gospa, &Parts) -> f64;
+type Part = fn(&InUnit, &Parts) -> f64;
 const PARTS: [(&str, Part); 4] = [
     ("localisation", |_, parts| parts.localisation),
     ("missed", |_, parts| 0.5 * parts.missed as f64),
     ("false", |_, parts| 0.5 * parts.unwanted as f64),
     ("switching", |gospa, parts| {
-        parts.switches * gospa.cutoff.share_of(gospa.switch_penalty_m)
+        parts.switches * gospa.switch_share
     }),
 ];
 

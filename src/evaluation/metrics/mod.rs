@@ -13,6 +13,7 @@ pub mod identity;
 mod kinematics;
 pub mod origin;
 mod ospa;
+mod ospa2;
 mod siap;
 mod t_gospa;
 mod track_keeping;
@@ -215,6 +216,11 @@ pub trait Metric: Send {
         gate_m
     }
 
+    /// The same of directions (degrees).
+    fn reach_deg(&self, gate_deg: f64) -> f64 {
+        self.reach_m(gate_deg)
+    }
+
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport;
 
     /// The same, unless the watch says to stop; then the report says nothing. For metrics that may take long.
@@ -229,6 +235,8 @@ pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 /// Every metric.
 pub const METRICS: &[Method<BuildMetric>] = &[
     ospa::METHOD,
+    ospa::LABELLED,
+    ospa2::METHOD,
     gospa::METHOD,
     t_gospa::METHOD,
     siap::METHOD,

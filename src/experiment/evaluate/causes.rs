@@ -135,12 +135,7 @@ pub fn breaks(
     breaks
 }
 
-fn tell_break(
-    episode: &Episode,
-    cause: Fate,
-    sequence: &Sequence,
-    name: Option<String>,
-) -> Break {
+fn tell_break(episode: &Episode, cause: Fate, sequence: &Sequence, name: Option<String>) -> Break {
     let comparison = sequence.comparison;
     Break {
         sequence: name,

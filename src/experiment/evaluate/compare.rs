@@ -127,7 +127,7 @@ pub fn compare(
     let of_directions = metrics
         .iter()
         .filter(|named| named.metric.accepts(Some(Space::Bearing)))
-        .map(|named| named.metric.reach_m(spec.gate_deg));
+        .map(|named| named.metric.reach_deg(spec.gate_deg));
     let directions = PointSettings {
         gate_m: spec.gate_deg,
         // Farther apart than half a turn is nobody.

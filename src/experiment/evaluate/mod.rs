@@ -15,8 +15,8 @@ mod run;
 mod spec;
 mod within;
 
-pub use fields::EVALUATE;
 pub use causes::{Break, CauseCount};
+pub use fields::EVALUATE;
 pub use head::Compared;
 
 use crate::evaluation::metrics::BuildMetric;

@@ -13,7 +13,8 @@ use crate::model::sensor::SensorSettings;
 use serde::Deserialize;
 
 /// The metrics that directions can be judged by.
-pub const METRICS_OF_BEARINGS: &str = "clear, identity, hota, track_keeping";
+pub const METRICS_OF_BEARINGS: &str =
+    "ospa, labelled_ospa, ospa2, gospa, clear, identity, hota, kinematics, track_keeping";
 
 /// A request that judges tracks.
 #[derive(Clone, Deserialize)]

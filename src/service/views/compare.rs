@@ -274,7 +274,7 @@ fn paired(
 }
 
 /// Names of metrics of which a step that a job does not have is one without any error: nobody was due and nobody there.
-const NOTHING_AT_OTHER_STEPS: [&str; 3] = ["gospa", "ospa", "t_gospa"];
+const NOTHING_AT_OTHER_STEPS: [&str; 4] = ["gospa", "ospa", "labelled_ospa", "t_gospa"];
 
 /// Values by step, with 0 at the steps that the other side alone has, where that is what they would be.
 fn filled(name: &str, ours: &[(String, f64)], theirs: &Values) -> Vec<(String, f64)> {

@@ -9,6 +9,6 @@ mod kinematics;
 mod large_scene;
 mod scenes;
 mod siap;
-
 mod t_gospa;
 mod volumes;
+mod wholes;

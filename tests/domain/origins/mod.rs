@@ -12,13 +12,14 @@ use std::collections::BTreeSet;
 use trackloom_domain::experiment::Outcome;
 
 /// Numbers that count or average no rows: quantiles, how the programme went, what a whole run is.
-const WITHOUT_ORIGIN: [&str; 15] = [
+const WITHOUT_ORIGIN: [&str; 16] = [
     "nees_position_lower",
     "nees_position_upper",
     "nees_state_lower",
     "nees_state_upper",
     "nis_of_matches_lower",
     "nis_of_matches_upper",
+    "ospa2_whole",
     "t_gospa_lower",
     "t_gospa_upper",
     "gap",

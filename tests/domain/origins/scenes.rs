@@ -24,6 +24,8 @@ fn all_metrics() -> Value {
         json!({"metric": "gospa"}),
         json!({"metric": "gospa", "p": 1.0, "cutoff_m": 10.0, "switch_penalty_m": 3.0}),
         json!({"metric": "ospa"}),
+        json!({"metric": "labelled_ospa", "cutoff_m": 10.0}),
+        json!({"metric": "ospa2", "window_steps": 3}),
         json!({"metric": "ospa", "p": 3.0, "cutoff_m": 5.0}),
         json!({"metric": "siap", "confirm_steps": 1, "end_steps": 1, "siap_compat": "stonesoup"}),
         json!({"metric": "assignment", "divergence_gate": 30.0}),

@@ -1,6 +1,6 @@
 //! Directions judged by metrics that need no metres.
 
-use super::{metrics, quantity, table};
+use super::{quantity, table};
 use crate::origins::jobs::Texts;
 use serde_json::json;
 
@@ -23,7 +23,10 @@ fn directions_are_matched_within_their_gate_the_shorter_way_round() {
     let mut texts = Texts::of("csv");
     let body = json!({
         "truth": texts.dataset(&truth), "tracks": texts.dataset(&tracks), "comparison": {"gate_deg": 3.0}, "profile": "vision",
-        "metrics": metrics(&["clear", "identity", "hota"])
+        "metrics": [
+            {"metric": "clear"}, {"metric": "kinematics"}, {"metric": "identity"}, {"metric": "hota"}, {"metric": "gospa", "cutoff_deg": 3.0},
+            {"metric": "ospa", "cutoff_deg": 3.0}, {"metric": "labelled_ospa", "cutoff_deg": 3.0}, {"metric": "ospa2", "cutoff_deg": 3.0}
+        ]
     });
     let outcome = texts.judge(&body).unwrap();
     let clear = ["tp", "fn", "fp", "idsw"].map(|name| quantity(&outcome, "clear", name));
@@ -36,4 +39,24 @@ fn directions_are_matched_within_their_gate_the_shorter_way_round() {
     let hota = 18.0 / 19.0 * (50.0f64 / 70.0);
     assert!((quantity(&outcome, "hota", "hota") - hota).abs() < 1e-9);
     assert_eq!(outcome.result["comparison"]["gate_unit"], "deg");
+    // Half a degree at 50 steps, one missed and one false at ten.
+    let mean_deg = (50.0 * 0.5 + 10.0 * 3.0) / 60.0;
+    for metric in ["gospa", "ospa", "labelled_ospa"] {
+        let found_deg = quantity(&outcome, metric, metric);
+        assert!((found_deg - mean_deg).abs() < 1e-9, "{metric} {found_deg}");
+        let unit = &outcome.result["metrics"][metric]["unit"];
+        assert_eq!(unit, "deg", "{metric}");
+    }
+    // Half a degree clockwise, also where one side is at 359.9 and the other at 0.4.
+    for quantity_name in ["bearing_rmse", "bearing_bias"] {
+        let found_deg = quantity(&outcome, "kinematics", quantity_name);
+        assert!(
+            (found_deg - 0.5).abs() < 1e-9,
+            "{quantity_name} {found_deg}"
+        );
+    }
+    assert_eq!(quantity(&outcome, "kinematics", "matches"), 50.0);
+    let whole_deg = ((50.0f64 * 0.25 + 10.0 * 9.0) / 60.0).sqrt();
+    let found_deg = quantity(&outcome, "ospa2", "ospa2_whole");
+    assert!((found_deg - whole_deg).abs() < 1e-9, "{found_deg}");
 }

@@ -12,9 +12,11 @@
 //! 1. Every match of the log gives one e, along all axes of the space. Along the course over ground is e · u, across it (to the
 //!    right positive) e · (u_y, −u_x); neither exists for a truth at rest, and in a volume the error of height is beside them.
 //! 2. Root mean squares, means (bias), and the smallest position error that 95 % of the matches do not exceed.
-//! 3. [`consistency`]: NEES of position (n = 2, in a volume 3) and of the whole state (n = 4, 6), and the NIS that tracks carry.
+//! 3. Of directions the error of the bearing: root mean square and mean.
+//! 4. [`consistency`]: NEES of position (n = 2, in a volume 3) and of the whole state (n = 4, 6), and the NIS that tracks carry.
 
 mod consistency;
+mod directions;
 
 use self::consistency::{Consistency, Normalised};
 use super::origin::{Origin, PAIRS, PairColumn, Statistic};
@@ -79,10 +81,14 @@ const NO_COURSE: &str = "no matched target is known to move";
 
 impl Metric for Kinematics {
     fn accepts(&self, space: Option<Space>) -> bool {
-        space.is_some_and(Space::has_places)
+        space.is_some()
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        let space = sequences.first().and_then(|first| first.comparison.space);
+        if space == Some(Space::Bearing) {
+            return directions::evaluate(sequences);
+        }
         let has_heights = sequences.iter().any(has_heights);
         let axes = if has_heights { 3 } else { 2 };
         let mut consistency = Consistency::new(self.confidence, self.measurement_dimensions, axes);
