@@ -23,6 +23,8 @@ pub enum Took {
 pub struct Reader<'a> {
     comparison: &'a Comparison,
     tracks: Option<&'a TrackSet>,
+    /// Whether any track says that it was given a detection.
+    are_given: bool,
     identities: Option<Identities<'a>>,
     /// The place of each scan's first detection in the recording, and of each scan in time.
     firsts: Vec<usize>,
@@ -49,6 +51,7 @@ impl<'a> Reader<'a> {
         Reader {
             comparison,
             tracks,
+            are_given: tracks.is_some_and(|tracks| !tracks.detection_ids.is_empty()),
             identities: recording
                 .zip(tracks)
                 .map(|(recording, tracks)| Identities::new(Some(recording), &tracks.detection_ids)),
@@ -68,6 +71,9 @@ impl<'a> Reader<'a> {
 
     /// When a track was last given a detection at or before a time.
     pub fn last_detection_s(&self, track: u32, time_s: f64) -> Option<f64> {
+        if !self.are_given {
+            return None;
+        }
         let points = self.points(track);
         let behind = points.partition_point(|point| point.time_s <= time_s);
         let given = |point: &&TrackPoint| self.best(point).is_some_and(|best| best.is_some());

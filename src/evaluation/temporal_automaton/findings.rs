@@ -9,6 +9,7 @@ use super::report::{
     TargetReport, TfaReport, Tolerance, TookKind, UnknownDetection, Violation,
 };
 use super::search::Order;
+use super::shares;
 use super::verdict::{Difference, Verdict};
 use super::{TfaSettings, tolerant};
 use crate::evaluation::strings::normal_form::{StringSet, TrackString};
@@ -31,6 +32,7 @@ impl Findings<'_, '_> {
         let found = self.0;
         let output_tracks = self.output_tracks();
         let counts = self.counts(&output_tracks);
+        let tolerance = self.tolerance(counts.output_tracks);
         let matched = found.verdicts.iter().zip(&found.classes.matched);
         TfaReport {
             parameters: parameters(&found.settings),
@@ -44,7 +46,8 @@ impl Findings<'_, '_> {
                 output_tracks_per_target: ratio(counts.output_tracks, counts.targets),
             },
             automaton: self.sizes(),
-            tolerance: self.tolerance(counts.output_tracks),
+            shares: shares::shares(&counts, &tolerance),
+            tolerance,
             consistent: counts.correct == counts.targets,
             missed_with_matched_track: matched
                 .filter(|(judged, track)| judged.verdict == Verdict::Missed && track.is_some())

@@ -34,6 +34,7 @@ pub mod output_tracks;
 pub mod paths;
 pub mod report;
 pub mod search;
+mod shares;
 #[cfg(test)]
 mod tests;
 pub mod tolerant;
@@ -43,6 +44,7 @@ pub mod weighted;
 pub use evaluation::TfaEvaluation;
 pub use report::TfaReport;
 pub use search::Order;
+pub use shares::Share;
 
 use super::EvaluationInput;
 use super::credit::Credit;

@@ -4,6 +4,7 @@
 
 use super::model_check::ViolationKind;
 use super::output_tracks::TrackClass;
+use super::shares::Share;
 use super::verdict::Verdict;
 use serde::Serialize;
 
@@ -16,6 +17,8 @@ pub struct TfaReport {
     pub counts: Counts,
     pub probability: Probabilities,
     pub ratios: Ratios,
+    /// All probabilities with what they are shares of.
+    pub shares: Vec<Share>,
     pub automaton: AutomatonSizes,
     /// Verdicts that forgive up to k errors, for each k from 0.
     pub tolerance: Vec<Tolerance>,

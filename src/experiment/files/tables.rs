@@ -84,7 +84,8 @@ pub fn optional(value: Option<f64>) -> String {
 
 /// A CSV field, quoted where it must be.
 pub fn quoted(text: &str) -> Cow<'_, str> {
-    if text.contains([',', '"', '\n', '\r']) {
+    let is_special = |byte| matches!(byte, b',' | b'"' | b'\n' | b'\r');
+    if text.bytes().any(is_special) {
         format!("\"{}\"", text.replace('"', "\"\"")).into()
     } else {
         text.into()

@@ -166,7 +166,7 @@ fn finish_job(
         }
         job.body["runs"] = json!(runs);
     }
-    let plan = match (experiment::plan(job.kind, &job.body), job.missing_files()) {
+    let mut plan = match (experiment::plan(job.kind, &job.body), job.missing_files()) {
         (Ok(plan), missing) if missing.is_empty() => plan,
         (planned, missing) => {
             return Err(planned
@@ -178,6 +178,7 @@ fn finish_job(
                 .into());
         }
     };
+    plan.wants_files = out.is_some();
     let (report, outcome) = compute(&job, plan)?;
     if let Some(folder) = out {
         write_out(folder, &report, &outcome.artifacts)?;

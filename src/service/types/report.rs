@@ -3,6 +3,7 @@
 
 use super::dataset::DatasetKind;
 use super::tracking_events::EventCounts;
+use crate::evaluation::temporal_automaton::Share as TfaShare;
 use crate::experiment::{
     AssociateResult, Association, CampaignResult, CellTime, Compared, CorrelateResult,
     DetectionResult, GroupResult, Input, InputRequest, LimitsReport, SimulateResult, Source,
@@ -279,6 +280,9 @@ pub struct Tfa {
     pub counts: TfaCounts,
     pub probability: TfaProbability,
     pub ratios: TfaRatios,
+    /// All probabilities with what they are shares of.
+    #[schema(required = false)]
+    pub shares: Vec<TfaShare>,
     pub automaton: TfaAutomaton,
     /// Verdicts that forgive up to k errors, for each k from 0.
     pub tolerance: Vec<TfaTolerance>,

@@ -110,7 +110,8 @@ function OutputTracks({ tfa }: { tfa: Tfa }): JSX.Element {
     ["False", count(tfa.counts.false_tracks)],
     ["Output tracks per target", number(tfa.ratios.output_tracks_per_target)],
     ["Correct per target", probability(tfa.ratios.correct_per_target)],
-    ["Missed, but taken up later", count(tfa.missed_with_matched_track)],
+    ["Missed, but followed from later on", count(tfa.counts.late)],
+    ["Missed, but matched by a track", count(tfa.missed_with_matched_track)],
     ["Violations of one detection, one track", count(tfa.counts.violations)],
   ];
   return (

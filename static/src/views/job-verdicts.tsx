@@ -11,7 +11,9 @@ import { Empty, Icon, type IconName, Link, Loading, ProblemBox } from "../compon
 import { useResource } from "../components/resource";
 import { saveText } from "../components/save";
 import { toCsv } from "../components/table";
-import { count, number, probability } from "../format";
+import { TableFrame } from "../components/table-frame";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
+import { capital, count, number, probability, words } from "../format";
 import { useOrigin } from "../state/job-start";
 import { go, hereHref, param, setParams } from "../state/url";
 import { TfaNumbers } from "./job-summary";
@@ -191,6 +193,7 @@ export function JobVerdicts({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element {
       <TfaNumbers tfa={tfa} />
       <Sets tfa={tfa} />
       <WayOfTarget job={job} tfa={tfa} />
+      <Shares tfa={tfa} file={job.id.slice(-12)} />
       <Tolerance tfa={tfa} file={job.id.slice(-12)} />
       <Filter tfa={tfa} rows={rows} />
       {rows.length ? (
@@ -315,6 +318,51 @@ function WayOfTarget({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element | null {
         origin={origin}
       />
     </div>
+  );
+}
+
+/** Every probability, with what it is a share of. */
+function Shares({ tfa, file }: { tfa: Tfa; file: string }): JSX.Element | null {
+  const shares = tfa.shares ?? [];
+  if (!shares.length) return null;
+  const columns = ["name", "forgiven", "of", "numerator", "denominator", "value"];
+  const rows = shares.map((of) => [
+    of.name,
+    of.forgiven,
+    of.of,
+    of.numerator,
+    of.denominator,
+    of.value ?? null,
+  ]);
+  return (
+    <TableFrame title="Probabilities" file={`shares-${file}`} table={() => ({ columns, rows })}>
+      <TableScroll label="Probabilities">
+        <table class="data">
+          <HeadRow
+            heads={[
+              "Verdict",
+              numberHead("Errors forgiven"),
+              "Share of",
+              numberHead("Count"),
+              numberHead("Of"),
+              numberHead("P"),
+            ]}
+          />
+          <tbody>
+            {shares.map(({ name, forgiven, of, numerator, denominator, value }) => (
+              <tr>
+                <td>{capital(name)}</td>
+                <td class="num">{forgiven}</td>
+                <td>{words(of)}</td>
+                <td class="num">{count(numerator)}</td>
+                <td class="num">{count(denominator)}</td>
+                <td class="num">{probability(value)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </TableScroll>
+    </TableFrame>
   );
 }
 
