@@ -67,6 +67,9 @@ impl Said {
             };
             add(&mut changes, of_run(run.from_s));
             while let Some(inside) = late.next_if(|change| change.from_s <= run.to_s) {
+                if late.peek().is_some_and(|next| next.from_s == inside.from_s) {
+                    continue;
+                }
                 add(&mut changes, inside);
                 if inside.from_s < run.to_s {
                     add(&mut changes, of_run(inside.from_s.next_up()));
