@@ -32,12 +32,12 @@ pub fn judge_extra_data(view: &View, (least, least_s): (u32, f64), log: &mut Log
     let mut score = Score::default();
     let mut extra = Vec::new();
     for (update, is_inside) in view.flight.updates.iter().zip(&view.is_seen_inside) {
-        if covers(&view.periods, update.time_s) {
-            score.count(false, None);
-        } else if *is_inside {
-            extra.push(update);
-        } else {
+        if !is_inside {
             score.leave_out("outside");
+        } else if covers(&view.periods, update.time_s) {
+            score.count(false, None);
+        } else {
+            extra.push(update);
         }
     }
     let lasts_s = match (extra.first(), extra.last()) {

@@ -252,6 +252,33 @@ fn extra_tracks_and_extra_data_are_counted_by_updates() {
 }
 
 #[test]
+fn extra_data_are_looked_for_where_updates_are() {
+    // The truth is inside to 30 s; updates 20 m ahead of it leave the sector with that of 30 s, and one that comes back is extra.
+    let row =
+        |time_s: &f64, ahead_m: f64| format!("{time_s},T,{},0,3C660C,,,", 10.0 * time_s + ahead_m);
+    let mut rows: Vec<String> = every(5.0, 0.0, 30.0)
+        .iter()
+        .map(|time_s| row(time_s, 20.0))
+        .collect();
+    rows.extend(
+        every(5.0, 35.0, 60.0)
+            .iter()
+            .map(|time_s| row(time_s, 290.0 - 10.0 * time_s)),
+    );
+    let requirements = json!({
+        "sectors": [{"sector_id": "s", "areas": [{"kind": "polygon", "corners": [
+            {"x_m": -10.0, "y_m": -10.0}, {"x_m": 305.0, "y_m": -10.0}, {"x_m": 305.0, "y_m": 10.0}, {"x_m": -10.0, "y_m": 10.0}]}]}],
+        "gate_m": 1000.0, "items": [{"requirement": "extra_data"}]
+    });
+    let outcome = judged(&truth(CODES), &table(TRACKS, rows), only(requirements));
+    assert_eq!(counts(&outcome, "extra_data"), (6, 12));
+    assert_eq!(
+        finding(&outcome, "extra_data")["not_judged"],
+        json!({"outside": 1})
+    );
+}
+
+#[test]
 fn speeds_and_courses_are_held_against_the_truth() {
     let header = "time_s,truth_id,x_m,y_m,vx_mps,vy_mps";
     let rows = |id: &str, east_mps: f64, north_mps: f64| -> Vec<String> {
