@@ -28,6 +28,7 @@ pub mod scope;
 pub mod spaces;
 pub mod steps;
 pub mod strings;
+pub mod surveillance;
 pub mod temporal_automaton;
 #[cfg(test)]
 mod tests;

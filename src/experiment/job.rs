@@ -1,7 +1,7 @@
 //! What a job is: a request that was parsed, the inputs that it reads, and what it leaves behind. Each kind implements [`Job`]
 //! in a folder of its own.
 
-use super::limits::{self, Limit};
+use super::limits::{self, Limit, LimitCheck, LimitsReport};
 use super::observer::Observer;
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
@@ -298,6 +298,8 @@ pub struct Outcome {
     pub association_time: Option<AssociationTime>,
     /// Of a campaign: the same, cell by cell.
     pub cell_times: Vec<CellTime>,
+    /// Held already by the job, beside the limits of its request.
+    pub checks: Vec<LimitCheck>,
 }
 
 /// What deciding took: that alone, without filter and simulation.
@@ -402,8 +404,11 @@ pub fn run_with(
     let mut outcome = plan.job.run(work, observer)?;
     unsign_zeros(&mut outcome.result);
     // A campaign judges its cells itself, for others put their runs together.
-    if !plan.limits.is_empty() && plan.kind != JobKind::Campaign {
-        let report = limits::judge(&plan.limits, &outcome.result);
+    let mut checks = std::mem::take(&mut outcome.checks);
+    if !(plan.limits.is_empty() && checks.is_empty()) && plan.kind != JobKind::Campaign {
+        let of_request = limits::judge(&plan.limits, &outcome.result);
+        checks.extend(of_request.checks);
+        let report = LimitsReport::of(checks);
         outcome.warnings.extend(report.warning());
         if let Some(parts) = outcome.result.as_object_mut() {
             parts.insert("limits".to_owned(), to_value(&report)?);

@@ -93,13 +93,13 @@ pub struct LimitCheck {
     pub met: bool,
     /// Null where there is none.
     pub value: Option<f64>,
-    /// Of a campaign.
+    /// Of a campaign, and of a requirement that is a share.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub interval: Option<Interval>,
     /// How far what was held against the limit is on its right side; negative where it is not met.
     pub margin: Option<f64>,
-    /// Why there is no number.
+    /// Why there is no number, or why one on the right side is not met.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub reason: Option<String>,

@@ -29,7 +29,7 @@ pub use associate::track::SMOOTHED_TRACKS;
 pub use associate::{AssociateResult, Association, gates};
 pub use campaign::CampaignResult;
 pub use correlate::CorrelateResult;
-pub use evaluate::{Break, CauseCount, Compared};
+pub use evaluate::{Break, CauseCount, Compared, RequirementsReport};
 pub use files::text;
 pub use group::GroupResult;
 pub use input::DetectionResult;

@@ -8,6 +8,7 @@ pub mod attributes;
 pub mod bearing_time;
 pub mod beside;
 pub mod boxes;
+pub mod changes;
 pub mod dataset;
 pub mod facts;
 pub mod fault;

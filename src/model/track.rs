@@ -1,6 +1,7 @@
 //! Tracks: what a tracker says the targets did, with the detections it gave them and how sure it was.
 
 use super::attributes::Attributes;
+use super::changes::Changes;
 use super::fault::Fault;
 use super::modes::{ModeRow, ModeTable};
 use super::scan::check_known;
@@ -168,6 +169,8 @@ pub struct TrackSet {
     pub time_base: TimeBase,
     pub tracks: Vec<Track>,
     pub attributes: Attributes,
+    /// Of attributes that are not the same at all points.
+    pub changes: Changes,
     pub candidates: Vec<Candidate>,
     pub modes: ModeTable,
     /// Names of the detections that candidates refer to.

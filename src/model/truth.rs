@@ -1,6 +1,7 @@
 //! Ground truth: where each target really was.
 
 use super::attributes::Attributes;
+use super::changes::Changes;
 use super::fault::Fault;
 use super::space::{Frame, Place, Space};
 use super::state::Position;
@@ -123,6 +124,8 @@ pub struct TruthSet {
     pub time_base: TimeBase,
     /// What is known of targets besides, by their names.
     pub attributes: Attributes,
+    /// Of attributes that are not the same at all points.
+    pub changes: Changes,
     targets: Vec<Target>,
 }
 
@@ -187,6 +190,7 @@ impl TruthSet {
             frame: self.frame,
             time_base: self.time_base,
             attributes: self.attributes.clone(),
+            changes: self.changes.clone(),
         }
     }
 

@@ -5,6 +5,7 @@ use super::smoothing::{self, PackedBeliefs, Smoothed, Smoothing};
 use crate::filtering::AnyFilter;
 use crate::hypotheses::bounds;
 use crate::model::attributes::Attributes;
+use crate::model::changes::Changes;
 use crate::model::modes::ModeTable;
 use crate::model::scan::{Recording, Scan};
 use crate::model::space::Space;
@@ -232,6 +233,7 @@ impl History {
             time_base: recording.time_base,
             tracks,
             attributes: Attributes::new(),
+            changes: Changes::default(),
             candidates: self.candidates,
             modes: table,
             detection_ids: recording.detection_ids.clone(),

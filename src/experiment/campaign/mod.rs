@@ -304,6 +304,7 @@ impl Campaign {
             artifacts,
             association_time: None,
             cell_times: self.cell_times(association_us),
+            checks: Vec::new(),
         })
     }
 

@@ -1,5 +1,6 @@
 //! What of a request that judges tracks no table can see.
 
+use super::requirements::RequirementsSpec;
 use super::within::WithinSpec;
 use crate::experiment::associate::check::fill_tracking_defaults;
 use crate::experiment::job::InputRequest;
@@ -143,5 +144,21 @@ pub fn check_within(draft: &mut Draft) {
         let detail = "an automaton on detections reads whole recordings";
         let fault = Fault::new("/tfa/symbols/kind", "conflict", detail);
         draft.add([fault.allowing("nearest_truth, or no 'within'")]);
+    }
+}
+
+/// Requirements are held against the truth of one recording.
+pub fn check_requirements(draft: &mut Draft, inputs: &[InputRequest]) {
+    let Some(requirements) = draft.read::<RequirementsSpec>("/requirements") else {
+        return;
+    };
+    draft.add(requirements.faults());
+    let pointer = "/requirements";
+    if draft.has("sequences") {
+        let detail = "requirements are of one recording";
+        draft.add([Fault::new(pointer, "unsupported", detail).allowing("a job for each sequence")]);
+    } else if !inputs.is_empty() && !draft.knows_truth(inputs) {
+        let detail = "'truth' is required when requirements are asked for";
+        draft.add([Fault::new("/truth", "missing", detail)]);
     }
 }

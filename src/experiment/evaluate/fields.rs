@@ -1,5 +1,6 @@
 //! The body of a job that judges tracks, described field by field.
 
+use super::requirements::FIELD as REQUIREMENTS;
 use super::within::FIELD as WITHIN;
 use crate::association::ASSOCIATOR;
 use crate::evaluation::metrics::{METRES, METRIC};
@@ -301,5 +302,6 @@ pub static EVALUATE: Object = Object {
             "Settings of the temporal automaton. When absent, the profiles tracking and tfa read detection ids where detections with known origins are there, else the nearest target within the gate and the largest gap of `comparison`.",
             Kind::Object(&TFA),
         ),
+        REQUIREMENTS,
     ],
 };

@@ -11,6 +11,7 @@ mod metrics;
 mod profiles;
 mod progress;
 mod report;
+mod requirements;
 mod run;
 mod spec;
 mod within;
@@ -18,6 +19,7 @@ mod within;
 pub use causes::{Break, CauseCount};
 pub use fields::EVALUATE;
 pub use head::Compared;
+pub use requirements::RequirementsReport;
 
 use crate::evaluation::metrics::BuildMetric;
 use crate::experiment::associate::check::{check_start, check_tracking};
@@ -52,6 +54,7 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     check::check_symbols(&mut draft, &inputs);
     check::check_steps(&mut draft);
     check::check_within(&mut draft);
+    check::check_requirements(&mut draft, &inputs);
     check_start(&mut draft, &inputs);
     profiles::fill_metrics(&mut draft, &inputs);
     let metrics_of_boxes = profiles::metrics_of_boxes(&draft);

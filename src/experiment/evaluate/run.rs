@@ -5,6 +5,7 @@ use super::automaton;
 use super::compare::{Content, OF_BEARINGS, Subject};
 use super::metrics::{Judgement, compute_metrics};
 use super::profiles::accepts_bearings;
+use super::requirements::{Held, RequirementsSpec, hold};
 use super::spec::Profile;
 use crate::evaluation::metrics::BuildMetric;
 use crate::evaluation::scope::LeftOut;
@@ -13,6 +14,7 @@ use crate::experiment::associate::track::{Tracked, track};
 use crate::experiment::associate::{report, settle};
 use crate::experiment::input::{JobData, missing};
 use crate::experiment::job::{Artifact, Outcome, RunError, RunSettings, Work, to_value};
+use crate::experiment::limits::LimitCheck;
 use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::experiment::request::methods::Choice;
 use crate::model::fault::Fault;
@@ -23,6 +25,13 @@ use std::borrow::Cow;
 
 const WITHOUT_TRUTH: &str = "there is no truth with positions, so the automaton judged by the origins of the detections, and no metric \
                              (GOSPA, OSPA, SIAP, CLEAR, …) was computed; 'truth' gives it";
+
+/// What a job says of its tracks.
+struct AllJudged {
+    parts: Map<String, Value>,
+    files: Vec<Artifact>,
+    checks: Vec<LimitCheck>,
+}
 
 type Metrics = [Choice<BuildMetric>];
 
@@ -57,8 +66,8 @@ pub fn run(
         let association = report(tracked, data.recording()?, &data.sensors);
         result.insert("association".to_owned(), to_value(&association)?);
     }
-    let (parts, files) = job.judge(&mut data, tracked.as_ref(), settings, observer)?;
-    result.extend(parts);
+    let judged = job.judge(&mut data, tracked.as_ref(), settings, observer)?;
+    result.extend(judged.parts);
     let association_time = tracked
         .as_ref()
         .and_then(|tracked| tracked.association_time);
@@ -71,9 +80,10 @@ pub fn run(
         let tracks = tracked.map(|tracked| tracked.tracks);
         artifacts = data.write(&spec.input, of_tracks, tracks, observer)?;
     }
-    artifacts.extend(files);
+    artifacts.extend(judged.files);
     Ok(Outcome {
         association_time,
+        checks: judged.checks,
         ..data.into_outcome(Value::Object(result), artifacts)
     })
 }
@@ -100,8 +110,8 @@ impl EvaluateJob {
         tracked: Option<&Tracked>,
         settings: RunSettings,
         observer: &mut dyn Observer,
-    ) -> Result<(Map<String, Value>, Vec<Artifact>), RunError> {
-        let (mut result, mut files) = (Map::new(), Vec::new());
+    ) -> Result<AllJudged, RunError> {
+        let (mut result, mut files, mut checks) = (Map::new(), Vec::new(), Vec::new());
         let mut whole = None;
         if self.spec.comparison.within.is_some() {
             whole = data.truth.clone();
@@ -121,6 +131,12 @@ impl EvaluateJob {
             files.extend(judgement.artifacts);
             data.warn(judgement.warnings);
         }
+        if let Some(requirements) = &self.spec.requirements {
+            let held = self.hold_requirements(requirements, data, tracks, observer)?;
+            result.insert("requirements".to_owned(), to_value(&held.report)?);
+            files.extend(settings.wants_files.then_some(held.file));
+            checks = held.checks;
+        }
         if let Some(smoothed) = tracked.and_then(|tracked| tracked.smoothed.as_ref()) {
             let without_files = RunSettings {
                 wants_files: false,
@@ -139,7 +155,26 @@ impl EvaluateJob {
         if whole.is_some() {
             data.truth = whole;
         }
-        Ok((result, files))
+        Ok(AllJudged {
+            parts: result,
+            files,
+            checks,
+        })
+    }
+
+    fn hold_requirements(
+        &self,
+        requirements: &RequirementsSpec,
+        data: &JobData,
+        tracked: Option<&TrackSet>,
+        observer: &mut dyn Observer,
+    ) -> Result<Held, RunError> {
+        let comparison = &self.spec.comparison;
+        let tracks = tracks_of(data, tracked)?;
+        let truth = data.truth.as_ref();
+        let truth = truth.ok_or_else(|| missing("/truth", "truth"))?;
+        let gate_and_credit = (comparison.gate_m, comparison.credit());
+        hold(requirements, gate_and_credit, (truth, tracks), observer)
     }
 
     /// Puts what is due of the `whole` truth into the data; gives the tracks that are judged beside it. `None` where all is judged.

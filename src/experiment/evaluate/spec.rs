@@ -1,5 +1,6 @@
 //! The type of a request that judges tracks.
 
+use super::requirements::RequirementsSpec;
 use super::within::WithinSpec;
 use crate::detection::Detector;
 use crate::evaluation::credit::Credit;
@@ -33,6 +34,7 @@ pub struct Spec {
     pub metrics: Vec<Choice<BuildMetric>>,
     pub comparison: ComparisonSpec,
     pub tfa: Option<TfaSettings>,
+    pub requirements: Option<RequirementsSpec>,
 }
 
 /// One of several recordings.

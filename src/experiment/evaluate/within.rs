@@ -10,7 +10,7 @@ use crate::registry::{
 };
 use serde::Deserialize;
 
-const PLACE_M: Kind = number(-1e8, 1e8, "m");
+pub const PLACE_M: Kind = number(-1e8, 1e8, "m");
 
 static CORNER: Object = Object {
     name: "Corner",
@@ -74,7 +74,8 @@ static SECTOR: Object = Object {
     ],
 };
 
-static AREA: Union = Union {
+/// A place in the plane or on the Earth.
+pub static AREA: Union = Union {
     name: "Area",
     summary: "Where targets are due.",
     tag: "kind",
@@ -116,20 +117,20 @@ pub const FIELD: Field = optional(
 );
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-struct Corner {
+pub struct Corner {
     x_m: f64,
     y_m: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-struct CornerDeg {
+pub struct CornerDeg {
     lat_deg: f64,
     lon_deg: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-enum AreaSpec {
+pub enum AreaSpec {
     Polygon {
         corners: Vec<Corner>,
     },
@@ -175,31 +176,7 @@ impl WithinSpec {
                 ));
             }
         }
-        for (index, area) in self.areas.iter().enumerate() {
-            let pointer = format!("/comparison/within/areas/{index}");
-            let AreaSpec::Sector {
-                range_min_m,
-                range_max_m,
-                from_deg,
-                to_deg,
-                ..
-            } = area
-            else {
-                continue;
-            };
-            if range_max_m <= range_min_m {
-                let detail = "it ends before it begins";
-                faults.push(Fault::new(
-                    format!("{pointer}/range_max_m"),
-                    "out_of_range",
-                    detail,
-                ));
-            }
-            if from_deg.is_some() != to_deg.is_some() {
-                let detail = "a part of the circle has 'from_deg' and 'to_deg'";
-                faults.push(Fault::new(pointer, "missing", detail).allowing("both, or none"));
-            }
-        }
+        faults.extend(AreaSpec::faults(&self.areas, "/comparison/within/areas"));
         faults
     }
 
@@ -209,19 +186,7 @@ impl WithinSpec {
     /// Latitudes where the plane has no origin, and names that no target has.
     pub fn scope(&self, truth: &TruthSet) -> Result<Scope, Vec<Fault>> {
         let mut faults = self.unknown_targets(truth);
-        let mut areas = Vec::new();
-        for (index, area) in self.areas.iter().enumerate() {
-            match area.in_plane_of(truth) {
-                Some(area) => areas.push(area),
-                None => {
-                    let detail = "the truth has no latitudes and longitudes, so nobody knows where these corners are in its plane";
-                    let pointer = format!("/comparison/within/areas/{index}");
-                    faults.push(
-                        Fault::new(pointer, "unsupported", detail).allowing("polygon, sector"),
-                    );
-                }
-            }
-        }
+        let areas = AreaSpec::in_plane(&self.areas, truth, "/comparison/within/areas", &mut faults);
         if !faults.is_empty() {
             return Err(faults);
         }
@@ -255,6 +220,60 @@ impl WithinSpec {
 }
 
 impl AreaSpec {
+    /// What no table can see of areas that stand at a pointer.
+    pub fn faults(areas: &[AreaSpec], place: &str) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        for (index, area) in areas.iter().enumerate() {
+            let pointer = format!("{place}/{index}");
+            let AreaSpec::Sector {
+                range_min_m,
+                range_max_m,
+                from_deg,
+                to_deg,
+                ..
+            } = area
+            else {
+                continue;
+            };
+            if range_max_m <= range_min_m {
+                let detail = "it ends before it begins";
+                faults.push(Fault::new(
+                    format!("{pointer}/range_max_m"),
+                    "out_of_range",
+                    detail,
+                ));
+            }
+            if from_deg.is_some() != to_deg.is_some() {
+                let detail = "a part of the circle has 'from_deg' and 'to_deg'";
+                faults.push(Fault::new(pointer, "missing", detail).allowing("both, or none"));
+            }
+        }
+        faults
+    }
+
+    /// Areas in the plane of the truth; a fault for each that has none there.
+    pub fn in_plane(
+        areas: &[AreaSpec],
+        truth: &TruthSet,
+        place: &str,
+        faults: &mut Vec<Fault>,
+    ) -> Vec<Area> {
+        let mut found = Vec::new();
+        for (index, area) in areas.iter().enumerate() {
+            match area.in_plane_of(truth) {
+                Some(area) => found.push(area),
+                None => {
+                    let detail = "the truth has no latitudes and longitudes, so nobody knows where these corners are in its plane";
+                    let pointer = format!("{place}/{index}");
+                    faults.push(
+                        Fault::new(pointer, "unsupported", detail).allowing("polygon, sector"),
+                    );
+                }
+            }
+        }
+        found
+    }
+
     fn in_plane_of(&self, truth: &TruthSet) -> Option<Area> {
         Some(match self {
             AreaSpec::Polygon { corners } => Area::Polygon(

@@ -114,6 +114,39 @@ pub fn metrics(result: &Value) -> Option<String> {
     Some(table(&header, &rows))
 }
 
+/// The requirements of a result: sector, name, value, threshold, margin, verdict. `None` when it has none.
+pub fn requirements(result: &Value) -> Option<String> {
+    let findings = result.pointer("/requirements/findings")?.as_array()?;
+    let header = [
+        "requirement",
+        "unit",
+        "value",
+        "wanted",
+        "margin",
+        "verdict",
+    ];
+    let mut rows = Vec::new();
+    for finding in findings {
+        let of = |name: &str| cell(&finding[name]);
+        let phase = finding["phase"]
+            .as_str()
+            .map(|phase| format!(", {phase}"))
+            .unwrap_or_default();
+        let wanted = finding["comparison"]
+            .as_str()
+            .map(|comparison| format!("{comparison} {}", of("threshold")));
+        rows.push(vec![
+            format!("{} {}{phase}", of("sector_id"), of("requirement")),
+            of("unit"),
+            of("value"),
+            wanted.unwrap_or_default(),
+            of("margin"),
+            of("verdict"),
+        ]);
+    }
+    Some(table(&header, &rows))
+}
+
 /// The tuples of a result: the track of each sensor, cost and p-value, below J, its bound and the gap. `None` when the result has
 /// no tuples.
 pub fn correlation(result: &Value) -> Option<String> {

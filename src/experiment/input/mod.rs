@@ -270,6 +270,7 @@ impl JobData {
             artifacts,
             association_time: None,
             cell_times: Vec::new(),
+            checks: Vec::new(),
         }
     }
 }

@@ -2,6 +2,7 @@
 //! report says; what becomes of times, paths, scans and places is decided here, once for all of them.
 
 pub mod civil;
+mod codes;
 mod detections;
 mod paths;
 mod place;
@@ -300,6 +301,12 @@ impl Feed {
     /// What is said of a report by its index, the last word.
     pub fn said_of_report(&self, report: usize, attribute: Attribute) -> Option<&str> {
         let said = self.said_of(report).filter(|said| said.0 == attribute);
+        said.last().map(|said| said.1)
+    }
+
+    fn number_said_of(&self, report: usize, attribute: Attribute) -> Option<u32> {
+        let said = self.numbers_said_of(report);
+        let said = said.filter(|said| said.0 == attribute);
         said.last().map(|said| said.1)
     }
 

@@ -267,3 +267,35 @@ fn bearings_that_fall_end_a_turn_and_unplaced_radars_are_told() {
         .collect();
     assert_eq!((counts, recording.frame), (vec![2, 2], None));
 }
+
+#[test]
+fn a_code_that_changes_is_kept_report_by_report() {
+    let mut feed = feed(&[]);
+    for (unit, mode_a) in [
+        (1, Some("1000")),
+        (2, Some("2000")),
+        (3, None),
+        (4, Some("2000")),
+    ] {
+        feed.push(report(
+            unit,
+            10.0 * unit as f64,
+            0,
+            1.0 + 1e-4 * unit as f64,
+        ));
+        feed.describe(Attribute::Address, "3c660c");
+        if let Some(mode_a) = mode_a {
+            feed.describe(Attribute::ModeA, mode_a);
+        }
+    }
+    let truth = truth_of(finish(feed, serde_json::json!({}), DatasetKind::Truth));
+    let at = |time_s: f64, name: &str| {
+        let of = ("7", ORIGIN_S + time_s);
+        truth.changes.word(&truth.attributes, of, name)
+    };
+    let modes = [10.0, 20.0, 30.0, 40.0].map(|time_s| at(time_s, "mode_a"));
+    assert_eq!(modes, [Some("1000"), Some("2000"), None, Some("2000")]);
+    // What is always the same is of the whole target.
+    assert_eq!(truth.changes.at("7", "address", ORIGIN_S + 10.0), None);
+    assert_eq!(at(10.0, "address"), Some("3c660c"));
+}

@@ -1,5 +1,6 @@
 //! Reports of a tracker as tracks: each path of a track number is one.
 
+use super::codes::Codes;
 use super::place::Ground;
 use super::{Feed, Manner, note, path_name, paths};
 use crate::formats::Reading;
@@ -30,11 +31,13 @@ pub(super) fn build(
         .collect();
     let mut ground = Ground::of(feed, &used, reading)?;
     let mut attributes = Attributes::new();
+    let mut codes = Codes::default();
     let mut tracks = Vec::with_capacity(paths.len());
     for path in paths {
         let track_id = path_name(feed.identities.name(path.identity), path.number);
         let known = feed.attributes_of(path.identity, &path.reports);
         note(&mut attributes, &track_id, known);
+        codes.note(feed, &track_id, &path.reports);
         let mut points = Vec::with_capacity(path.reports.len());
         for &index in &path.reports {
             points.extend(point(feed, index, &mut ground));
@@ -49,6 +52,7 @@ pub(super) fn build(
         frame: ground.frame,
         tracks,
         attributes,
+        changes: codes.finish(feed),
         sensor_ids: std::mem::take(&mut feed.sensors).into_names(),
         ..TrackSet::default()
     }))

@@ -1,5 +1,6 @@
 //! Reports as truth: each path of an identity is a target.
 
+use super::codes::Codes;
 use super::place::Ground;
 use super::{Feed, Manner, note, path_name, paths};
 use crate::formats::Reading;
@@ -22,12 +23,14 @@ pub(super) fn build(
         .collect();
     let mut ground = Ground::of(feed, &used, reading)?;
     let mut attributes = Attributes::new();
+    let mut codes = Codes::default();
     let mut targets = Vec::with_capacity(paths.len());
     let mut unplaced = 0;
     for path in paths {
         let truth_id = path_name(feed.identities.name(path.identity), path.number);
         let known = feed.attributes_of(path.identity, &path.reports);
         note(&mut attributes, &truth_id, known);
+        codes.note(feed, &truth_id, &path.reports);
         let mut points = Vec::with_capacity(path.reports.len());
         for &index in &path.reports {
             let report = &feed.reports[index];
@@ -54,5 +57,6 @@ pub(super) fn build(
     targets.sort_by(|a, b| natural_order(&a.truth_id, &b.truth_id));
     let mut truth = TruthSet::new(Space::Plane, targets)?;
     (truth.frame, truth.attributes) = (ground.frame, attributes);
+    truth.changes = codes.finish(feed);
     Ok(Dataset::Truth(truth))
 }

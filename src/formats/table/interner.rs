@@ -59,6 +59,11 @@ impl Interner {
     }
 
     /// The names in the order first seen.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The same.
     pub fn into_names(self) -> Vec<String> {
         self.names
     }

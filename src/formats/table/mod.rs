@@ -2,6 +2,7 @@
 //! each only knows how to read rows ([`Rows`]) and write them ([`Sink`]); what the columns mean stands here, once.
 
 mod boxes;
+mod codes;
 mod degrees;
 mod detections;
 mod estimate;

@@ -6,6 +6,7 @@ mod write;
 
 pub use write::write;
 
+use super::codes::Codes;
 use super::estimate::EstimateColumns;
 use super::ground::{self, Ground};
 use super::header::{Header, MODE_COLUMNS};
@@ -19,7 +20,6 @@ use crate::model::attributes::Attributes;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::modes::ModeTable;
-use crate::model::space::Space;
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 use std::collections::{BTreeSet, HashMap};
 
@@ -87,6 +87,7 @@ struct Builder {
     ground: Ground,
     disorder: Disorder,
     attributes: Attributes,
+    codes: Codes,
 }
 
 /// Reads tracks, and tells how the rows fared.
@@ -118,7 +119,7 @@ pub fn read(
     ) {
         builder.settle(&plane);
     }
-    let mut set = builder.finish(columns.estimate.space);
+    let mut set = builder.finish(&columns);
     (set.frame, set.time_base) = (frame, base);
     Ok((Dataset::Tracks(set), units))
 }
@@ -143,6 +144,8 @@ impl Builder {
             .estimate
             .note_earth(&point.estimate.position, reader, &mut self.ground);
         reader.note_attributes(columns.track, &columns.attributes, &mut self.attributes);
+        self.codes
+            .note(reader, &columns.attributes, (track, point.time_s));
         let point = TrackPoint { sensor, ..point };
         let point = self.place(reader, columns, track, point, &modes);
         if reader.is_rejected() {
@@ -286,7 +289,9 @@ impl Builder {
     }
 
     /// Tracks and sensors in natural order; detections in the order that candidates name them.
-    fn finish(self, space: Space) -> TrackSet {
+    fn finish(self, columns: &Columns) -> TrackSet {
+        let space = columns.estimate.space;
+        let changes = self.codes.finish(&columns.attributes, &self.tracks);
         let (names, track_place) = self.tracks.sorted();
         let (sensor_ids, sensor_place) = self.sensors.sorted();
         let mut tracks: Vec<Track> = names
@@ -326,6 +331,7 @@ impl Builder {
             detection_ids,
             sensor_ids,
             attributes: self.attributes,
+            changes,
             ..TrackSet::default()
         }
     }

@@ -1,6 +1,7 @@
 //! Truth: rows of any interleaving of targets, each target's brought into the order of time. A row that repeats another is taken
 //! once, and told.
 
+use super::codes::Codes;
 use super::estimate::{EstimateColumns, EstimateLayout};
 use super::ground::{self, Ground};
 use super::header::Header;
@@ -38,6 +39,7 @@ struct Builder {
     repeats: Repeats,
     disorder: Disorder,
     attributes: Attributes,
+    codes: Codes,
 }
 
 /// Reads truth, and tells how the rows fared.
@@ -97,6 +99,8 @@ impl Builder {
         };
         path.points.push((point, reader.row()));
         reader.note_attributes(columns.truth, &columns.attributes, &mut self.attributes);
+        self.codes
+            .note(reader, &columns.attributes, (index as u32, time_s));
     }
 
     /// Brings each target's points into the order of time; of equal ones one stays.
@@ -131,6 +135,7 @@ impl Builder {
         let plane = frame
             .map(Stereographic::from)
             .filter(|_| columns.estimate.is_geographic());
+        let changes = self.codes.finish(&columns.attributes, &self.names);
         let (names, place) = self.names.sorted();
         let empty = |truth_id| Target {
             truth_id,
@@ -148,6 +153,7 @@ impl Builder {
         }
         let mut truth = TruthSet::new(columns.estimate.space, targets)?;
         (truth.frame, truth.attributes) = (frame, self.attributes);
+        truth.changes = changes;
         Ok(truth)
     }
 }
@@ -181,14 +187,14 @@ pub fn write(truth: &TruthSet, sink: &mut dyn Sink) -> io::Result<()> {
     sink.begin(&columns)?;
     let plane = layout.plane();
     for target in truth.targets() {
-        let known = truth.attributes.get(&target.truth_id);
         for point in &target.points {
             sink.number(Some(point.time_s))?;
             sink.text(Some(&target.truth_id))?;
             layout.write(&point.position, point.velocity.as_ref(), None, sink)?;
             layout.write_beside(plane.as_ref(), &point.position, point.height_m, sink)?;
             for name in &attributes {
-                sink.text(known.and_then(|known| known.get(name)).map(String::as_str))?;
+                let of = (target.truth_id.as_str(), point.time_s);
+                sink.text(truth.changes.word(&truth.attributes, of, name))?;
             }
             sink.end_row()?;
         }

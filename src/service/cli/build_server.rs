@@ -53,7 +53,8 @@ fn verdict_of(check: &LimitCheck) -> Verdict {
         let _ = write!(name, " in {cell}");
     }
     let mut detail = match (check.value, &check.reason) {
-        (Some(value), _) => number(value),
+        (Some(value), None) => number(value),
+        (Some(value), Some(reason)) => format!("{} ({reason})", number(value)),
         (None, Some(reason)) => format!("no number: {reason}"),
         (None, None) => "no number".to_owned(),
     };

@@ -1,6 +1,6 @@
 //! The report of a job for the terminal.
 
-use crate::experiment::text::{campaign, cell, correlation, metrics, table};
+use crate::experiment::text::{campaign, cell, correlation, metrics, requirements, table};
 use serde_json::Value;
 
 /// The lines of a report that people read first.
@@ -51,6 +51,9 @@ pub(super) fn summary(report: &Value) -> String {
     );
     if let Some(metrics) = metrics(result) {
         text = format!("{text}\n\n{metrics}");
+    }
+    if let Some(requirements) = requirements(result) {
+        text = format!("{text}\n\n{requirements}");
     }
     if let Some(correlation) = correlation(result) {
         text = format!("{text}\n\n{correlation}");

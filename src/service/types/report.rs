@@ -6,7 +6,8 @@ use super::tracking_events::EventCounts;
 use crate::evaluation::temporal_automaton::Share as TfaShare;
 use crate::experiment::{
     AssociateResult, Association, CampaignResult, CellTime, Compared, CorrelateResult,
-    DetectionResult, GroupResult, Input, InputRequest, LimitsReport, SimulateResult, Source,
+    DetectionResult, GroupResult, Input, InputRequest, LimitsReport, RequirementsReport,
+    SimulateResult, Source,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -172,6 +173,10 @@ pub struct EvaluateResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub smoothed: Option<SmoothedMetrics>,
+    /// Of air surveillance, where the request has any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub requirements: Option<RequirementsReport>,
     /// Whether the numbers are within the limits, where the request has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]

@@ -106,6 +106,7 @@ fn head_of_truth(truth: &TruthSet, limit: usize) -> TruthSet {
     let mut head = TruthSet::new(truth.space(), head).expect("the head of sound truth is sound");
     (head.frame, head.time_base) = (truth.frame, truth.time_base);
     head.attributes = truth.attributes.clone();
+    head.changes = truth.changes.clone();
     head
 }
 
@@ -133,6 +134,7 @@ fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
         sensor_ids: set.sensor_ids.clone(),
         time_base: set.time_base,
         attributes: set.attributes.clone(),
+        changes: set.changes.clone(),
     }
 }
 

@@ -31,6 +31,8 @@ export type Plan = Schemas["PlanView"];
 export type Progress = Schemas["Progress"];
 export type Report = Schemas["Report"];
 export type SensorSettings = Schemas["SensorSettings"];
+export type RequirementFinding = Schemas["RequirementFinding"];
+export type RequirementsReport = Schemas["RequirementsReport"];
 export type ScanCounts = Schemas["ScanCountsSeries"];
 export type TargetVerdict = Schemas["TfaTarget"];
 export type Tfa = Schemas["Tfa"];
@@ -87,6 +89,7 @@ export interface ReportParts extends Partial<Omit<CorrelateResult, "counts" | "s
   grouping?: Grouping;
   metrics?: Record<string, MetricReport>;
   events?: EventCounts;
+  requirements?: RequirementsReport;
   sequences?: Schemas["SequenceMetrics"][];
   detection?: Schemas["DetectionResult"];
   cells?: CampaignCell[];

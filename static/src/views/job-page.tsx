@@ -155,13 +155,14 @@ function Outcome({ job }: { job: Job }): JSX.Element {
 }
 
 function tabsOf(report: Report): [TabName, string][] {
-  const { tuples, tfa, metrics } = partsOf(report);
+  const { tuples, tfa, metrics, requirements } = partsOf(report);
   const tabs: [TabName, string, boolean][] = [
     ["summary", "Summary", true],
     ["correlation", "Correlation", tuples !== undefined],
     ["plan", "Plan view", true],
     ["verdicts", "Verdicts", tfa !== undefined],
     ["metrics", "Metrics", metrics !== undefined],
+    ["requirements", "Requirements", requirements !== undefined],
     ["search", "Method", hasTrace(report)],
     ["spec", "Request and files", true],
   ];
@@ -199,6 +200,10 @@ const JobCorrelation = later(
   "the tuples",
   async () => (await import("./job-correlation")).JobCorrelation,
 );
+const JobRequirements = later(
+  "the requirements",
+  async () => (await import("./job-requirements")).JobRequirements,
+);
 const JobSearch = later("the search", async () => (await import("./job-search")).JobSearch);
 
 function Result({ job }: { job: Job }): JSX.Element {
@@ -208,7 +213,7 @@ function Result({ job }: { job: Job }): JSX.Element {
   if (report.error) return <ProblemBox error={report.error} retry={report.reload} />;
   if (!report.data) return <Loading what="the report" />;
   const parts = partsOf(report.data);
-  const { tfa } = parts;
+  const { tfa, requirements } = parts;
   const asked = param("tab") ?? "summary";
   const tab = tabs.find(([name]) => name === asked)?.[0] ?? "summary";
   return (
@@ -219,6 +224,9 @@ function Result({ job }: { job: Job }): JSX.Element {
       {tab === "plan" ? <Plan job={job} report={report.data} /> : null}
       {tab === "verdicts" && tfa ? <JobVerdicts job={job} tfa={tfa} /> : null}
       {tab === "metrics" ? <JobMetrics job={job} report={report.data} /> : null}
+      {tab === "requirements" && requirements ? (
+        <JobRequirements report={requirements} file={job.id.slice(-12)} />
+      ) : null}
       {tab === "search" ? <JobSearch job={job} report={report.data} /> : null}
       {tab === "spec" ? <JobSpec job={job} report={report.data} /> : null}
     </>

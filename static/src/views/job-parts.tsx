@@ -41,6 +41,7 @@ export type TabName =
   | "plan"
   | "verdicts"
   | "metrics"
+  | "requirements"
   | "search"
   | "spec";
 

@@ -8,6 +8,8 @@ mod noise;
 mod precise_sensor;
 mod scans;
 mod steps;
+mod surveillance;
+mod surveillance_recording;
 mod within;
 mod zeros;
 

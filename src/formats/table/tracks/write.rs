@@ -152,9 +152,9 @@ fn write_row(
     for mode in 0..layout.modes {
         sink.number(modes.get(mode).copied())?;
     }
-    let known = set.attributes.get(&track.track_id);
     for name in attributes {
-        sink.text(known.and_then(|known| known.get(name)).map(String::as_str))?;
+        let of = (track.track_id.as_str(), point.time_s);
+        sink.text(set.changes.word(&set.attributes, of, name))?;
     }
     sink.end_row()
 }
