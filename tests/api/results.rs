@@ -127,6 +127,7 @@ async fn reports_and_files_have_strong_tags_and_ranges() {
         "metric-series.csv",
         "metric-truths.csv",
         "metric-tracks.csv",
+        "causes.csv",
         "metrics.txt",
     ];
     let datasets = ["scans.csv", "detections.csv", "truth.csv", "tracks.csv"];

@@ -148,6 +148,34 @@ test("lanes say who followed whom; their marks are the breaks and switches of th
   await closePage(page);
 });
 
+test("each break and miss says why, in the words of the file, and causes are counted", async () => {
+  // A sentence stands last in its row, quoted where it holds a comma.
+  const sentences = (await linesOf(job, "causes.csv"))
+    .slice(1)
+    .map((row) => ({ event: row[0], why: row.slice(14).join(",").replaceAll('"', "") }));
+  const page = await open("&event=break");
+  const table = page.locator(".table-frame", {
+    has: page.getByRole("heading", { name: "Events" }),
+  });
+  await table.locator("tbody tr").first().waitFor();
+  const shownWhy = await table.locator("tbody td:last-child").allInnerTexts();
+  const written = sentences.filter(({ event }) => event === "break").map(({ why }) => why);
+  assert.deepEqual(shownWhy, written.slice(0, 200));
+  const causes = page.locator(".table-frame", {
+    has: page.getByRole("heading", { name: "Causes" }),
+  });
+  const rows = await causes.locator("tbody tr").count();
+  assert.equal(rows, result.events.causes.length);
+  for (const { event, events: count } of result.events.causes)
+    assert.ok(count <= result.events.counts[event], event);
+  await causes
+    .getByRole("link", { name: /: show each miss$/ })
+    .first()
+    .click();
+  assert.equal(parameters(page).get("event"), "miss");
+  await closePage(page);
+});
+
 test("the summary has the headlines and the events of the report", async () => {
   const page = await openPage(browser, `?view=job&job=${job.id}`);
   const panel = page.locator(".panel", {

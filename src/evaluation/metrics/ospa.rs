@@ -306,11 +306,9 @@ impl InUnit {
             return Parts::default();
         }
         let cutoff = self.unit.cutoff;
-        let of_label = |pair: &Pair| {
-            let truth = comparison.truths[pair.truth as usize].id;
-            let track = comparison.tracks[pair.track as usize].id;
-            let is_its = labels.is_none_or(|labels| labels[truth as usize] == Some(track));
-            if is_its { 0.0 } else { self.label_power }
+        let of_label = |pair: &Pair| match labels {
+            Some(labels) if !is_labelled(comparison, pair, labels) => self.label_power,
+            _ => 0.0,
         };
         let (mut pairs, mut sum, mut labelling) = (0, 0.0, 0.0);
         matcher.assign_by(
@@ -328,20 +326,27 @@ impl InUnit {
                 pairs += 1;
                 sum += of_distance;
                 labelling += label;
-                let places = (pair.truth, pair.track);
-                let of_pair = |share| (places.0, places.1, cutoff.powers(share));
-                powers.of_distances.push(of_pair(of_distance));
-                powers.of_labels.push(of_pair(label));
+                let (truth, track) = (pair.truth, pair.track);
+                let power = cutoff.powers(of_distance);
+                powers.of_distances.push((truth, track, power));
+                powers.of_labels.push((truth, track, cutoff.powers(label)));
             },
         );
         let localisation = sum + (fewer - pairs) as f64;
         let cardinality = (more - fewer) as f64;
-        let metres = |share: f64| cutoff.metres(share / more as f64);
+        let heads = more as f64;
         Parts {
-            distance: metres(localisation + labelling + cardinality),
-            localisation: metres(localisation),
-            labelling: metres(labelling),
-            cardinality: metres(cardinality),
+            distance: cutoff.metres((localisation + labelling + cardinality) / heads),
+            localisation: cutoff.metres(localisation / heads),
+            labelling: cutoff.metres(labelling / heads),
+            cardinality: cutoff.metres(cardinality / heads),
         }
     }
+}
+
+/// Whether the track of a pair is the one that the truth has over the whole time.
+fn is_labelled(comparison: &Comparison, pair: &Pair, labels: &[Option<u32>]) -> bool {
+    let truth = comparison.truths[pair.truth as usize].id;
+    let track = comparison.tracks[pair.track as usize].id;
+    labels[truth as usize] == Some(track)
 }

@@ -236,11 +236,8 @@ impl Lives {
     /// Steps 1 and 2.
     fn distance(&mut self, window: Range<usize>, cutoff: Cutoff) -> Whole {
         let window = window.start as u32..window.end as u32;
-        let existing = |lives: &[Vec<u32>]| {
-            let exists = |life: &&Vec<u32>| !within(life, &window).is_empty();
-            lives.iter().filter(exists).count()
-        };
-        let (truths, tracks) = (existing(&self.truths), existing(&self.tracks));
+        let truths = existing(&self.truths, &window);
+        let tracks = existing(&self.tracks, &window);
         self.looked_at = (self.truths.len() + self.tracks.len()) as u64;
         self.solver.clear();
         let by_truth = self
@@ -299,6 +296,12 @@ fn note(presences: &[Presence], step: u32, lives: &mut [Vec<u32>]) {
     for presence in presences {
         lives[presence.id as usize].push(step);
     }
+}
+
+/// How many exist in a window.
+fn existing(lives: &[Vec<u32>], window: &Range<u32>) -> usize {
+    let exists = |life: &&Vec<u32>| !within(life, window).is_empty();
+    lives.iter().filter(exists).count()
 }
 
 /// Of rising steps those in a window.
