@@ -9,11 +9,11 @@
 //!    γ/2 as a rise does; rises are falls plus last minus first, so only falls need variables: D ≥ 0, D ≥ Wₖ − Wₖ₊₁.
 //! 2. An interior-point solver finds a solution. Shares all within 1e-5 of 0 or 1 are rounded, and the value is that of
 //!    the rounded assignment.
-//! 3. Of many pairs only those are in the programme that it needs ([`columns`](super::columns)).
-//! 4. Where these are too many, the steps are cut into halves. Switches between them then are free, which leaves a lower bound.
-//! 5. The programme of one step is an assignment of whole numbers, which a method of assignments solves.
+//! 3. A cluster of very many pairs and steps is cut into blocks of steps. Switches between blocks then are free, which
+//!    leaves a lower bound.
+//! 4. Where one step alone has more pairs than that, a block is one step, and its programme is an assignment of whole numbers,
+//!    which a method of assignments solves.
 
-use super::columns::{self, Columns, Members};
 use super::problem::{Near, Solution};
 use crate::math::assignment::AssignmentSolver;
 use crate::model::watch::Watch;
@@ -34,76 +34,72 @@ pub struct Bound {
 
 /// `None` when the solver finds no solution, which a programme of sound numbers always has, or the watch says to stop.
 pub fn solve(steps: &[Vec<Near>], penalty: f64, watch: &Watch) -> Option<Bound> {
-    if let [near] = steps {
-        return assign(near, watch);
+    let pairs = pairs_of(steps).len();
+    if pairs > MAX_SHARES {
+        return assigned_step_by_step(steps, watch);
     }
-    let most_pairs = MAX_SHARES / steps.len().max(1);
-    match columns::solve(steps, penalty, most_pairs, watch) {
-        Columns::Solved(programme, shares) => Some(Bound {
-            is_exact: shares.iter().all(|share| share.fract() == 0.0),
-            solution: programme.solution(&shares),
-        }),
-        Columns::TooMany => {
-            let (first, second) = steps.split_at(steps.len() / 2);
-            let mut bound = solve(first, penalty, watch)?;
-            bound.solution.add(solve(second, penalty, watch)?.solution);
-            bound.is_exact = false;
-            Some(bound)
-        }
-        Columns::Unsolved => None,
-    }
-}
-
-/// Method 5.
-fn assign(near: &[Near], watch: &Watch) -> Option<Bound> {
     let mut bound = Bound {
         solution: Solution::default(),
         is_exact: true,
     };
-    let mut solver = AssignmentSolver::default();
-    solver.clear();
-    let rows: Vec<&[Near]> = near
-        .chunk_by(|one, other| one.truth == other.truth)
-        .collect();
-    for row in &rows {
-        row.iter()
-            .for_each(|pair| solver.push_edge(pair.track as u32, -pair.gain));
-        solver.end_row(0.0);
-    }
-    solver.solve_until(watch)?;
-    for (index, row) in rows.iter().enumerate() {
-        let Some(pair) = solver.edge_of(index).map(|edge| row[edge]) else {
-            continue;
-        };
-        bound.solution.tally.gain += pair.gain;
-        bound.solution.tally.matched += 1.0;
-        bound.solution.shares.push((pair.pair, 1.0));
+    let blocks = steps.chunks((MAX_SHARES / pairs.max(1)).max(1));
+    let is_cut = blocks.len() > 1;
+    for block in blocks {
+        // A programme takes some seconds at most.
+        if watch.stops_after(u64::MAX) {
+            return None;
+        }
+        let programme = Programme::new(block, penalty);
+        let shares = programme.solve()?;
+        bound.is_exact &= !is_cut && shares.iter().all(|share| share.fract() == 0.0);
+        bound.solution.add(programme.solution(&shares));
     }
     Some(bound)
 }
 
-/// What a truth and a track cost at each step: duals of their constraints, 0 of those without any.
-pub struct Prices {
-    truths: Vec<BTreeMap<usize, f64>>,
-    tracks: Vec<BTreeMap<usize, f64>>,
+/// Method 4.
+fn assigned_step_by_step(steps: &[Vec<Near>], watch: &Watch) -> Option<Bound> {
+    let mut bound = Bound {
+        solution: Solution::default(),
+        is_exact: steps.len() == 1,
+    };
+    let mut solver = AssignmentSolver::default();
+    for near in steps {
+        solver.clear();
+        let rows: Vec<&[Near]> = near
+            .chunk_by(|one, other| one.truth == other.truth)
+            .collect();
+        for row in &rows {
+            row.iter()
+                .for_each(|pair| solver.push_edge(pair.track as u32, -pair.gain));
+            solver.end_row(0.0);
+        }
+        solver.solve_until(watch)?;
+        for (index, row) in rows.iter().enumerate() {
+            let Some(pair) = solver.edge_of(index).map(|edge| row[edge]) else {
+                continue;
+            };
+            bound.solution.tally.gain += pair.gain;
+            bound.solution.tally.matched += 1.0;
+            bound.solution.shares.push((pair.pair, 1.0));
+        }
+    }
+    Some(bound)
 }
 
-impl Prices {
-    pub fn steps(&self) -> usize {
-        self.truths.len()
+/// The pairs that are ever near, numbered.
+fn pairs_of(steps: &[Vec<Near>]) -> BTreeMap<(usize, usize), usize> {
+    let mut pairs = BTreeMap::new();
+    for near in steps.iter().flatten() {
+        let next = pairs.len();
+        pairs.entry((near.truth, near.track)).or_insert(next);
     }
-
-    pub fn of(&self, step: usize, (truth, track): Members) -> f64 {
-        let price = |prices: &BTreeMap<usize, f64>, member| prices.get(&member).copied();
-        price(&self.truths[step], truth).unwrap_or_default()
-            + price(&self.tracks[step], track).unwrap_or_default()
-    }
+    pairs
 }
 
-pub struct Programme<'a> {
+struct Programme<'a> {
     steps: &'a [Vec<Near>],
-    /// Its pairs, numbered.
-    pairs: BTreeMap<Members, usize>,
+    pairs: BTreeMap<(usize, usize), usize>,
     penalty: f64,
 }
 
@@ -128,23 +124,12 @@ impl Constraints {
 }
 
 impl<'a> Programme<'a> {
-    /// Of these pairs.
-    pub fn new(
-        steps: &'a [Vec<Near>],
-        pairs: impl Iterator<Item = Members>,
-        penalty: f64,
-    ) -> Programme<'a> {
+    fn new(steps: &'a [Vec<Near>], penalty: f64) -> Programme<'a> {
         Programme {
             steps,
-            pairs: pairs.zip(0..).collect(),
+            pairs: pairs_of(steps),
             penalty,
         }
-    }
-
-    /// Those of its pairs that are near at a step, with their numbers.
-    fn near(&self, step: usize) -> impl Iterator<Item = (usize, &Near)> {
-        let number = |pair: &'a Near| Some((*self.pairs.get(&(pair.truth, pair.track))?, pair));
-        self.steps[step].iter().filter_map(number)
     }
 
     /// Number of the variable W of a pair at a step; the D of the same step lies `pairs · steps` further on.
@@ -156,9 +141,9 @@ impl<'a> Programme<'a> {
     fn objective(&self) -> Vec<f64> {
         let shares = self.pairs.len() * self.steps.len();
         let mut objective = vec![0.0; shares];
-        for step in 0..self.steps.len() {
-            for (number, pair) in self.near(step) {
-                objective[self.share(step, number)] -= pair.gain;
+        for (step, near) in self.steps.iter().enumerate() {
+            for pair in near {
+                objective[self.share(step, self.pairs[&(pair.truth, pair.track)])] -= pair.gain;
             }
         }
         for pair in 0..self.pairs.len() {
@@ -169,38 +154,16 @@ impl<'a> Programme<'a> {
         objective
     }
 
-    /// The pairs of each truth and of each track.
-    fn pairs_of_members(&self) -> [BTreeMap<usize, Vec<usize>>; 2] {
-        let [mut of_truth, mut of_track]: [BTreeMap<usize, Vec<usize>>; 2] = Default::default();
+    fn constraints(&self) -> Constraints {
+        let (pairs, shares) = (self.pairs.len(), self.pairs.len() * self.steps.len());
+        let (mut of_truth, mut of_track) = (
+            BTreeMap::<usize, Vec<usize>>::new(),
+            BTreeMap::<usize, Vec<usize>>::new(),
+        );
         for (&(truth, track), &pair) in &self.pairs {
             of_truth.entry(truth).or_default().push(pair);
             of_track.entry(track).or_default().push(pair);
         }
-        [of_truth, of_track]
-    }
-
-    /// The prices of the truths and tracks, in the order of their constraints.
-    fn prices(&self, duals: &[f64]) -> Prices {
-        let (pairs, shares) = (self.pairs.len(), self.pairs.len() * self.steps.len());
-        let [of_truth, of_track] = self.pairs_of_members();
-        let mut duals = duals[2 * shares - pairs..].iter().copied();
-        let mut take = |members: &BTreeMap<usize, Vec<usize>>| -> BTreeMap<usize, f64> {
-            members.keys().copied().zip(duals.by_ref()).collect()
-        };
-        let mut prices = Prices {
-            truths: Vec::new(),
-            tracks: Vec::new(),
-        };
-        for _ in self.steps {
-            prices.truths.push(take(&of_truth));
-            prices.tracks.push(take(&of_track));
-        }
-        prices
-    }
-
-    fn constraints(&self) -> Constraints {
-        let (pairs, shares) = (self.pairs.len(), self.pairs.len() * self.steps.len());
-        let [of_truth, of_track] = self.pairs_of_members();
         let mut constraints = Constraints::default();
         for variable in 0..2 * shares - pairs {
             constraints.push([(variable, -1.0)], 0.0);
@@ -223,8 +186,8 @@ impl<'a> Programme<'a> {
         constraints
     }
 
-    /// Method 2: the shares of all pairs at all steps, and what their members cost.
-    pub fn solve(&self) -> Option<(Vec<f64>, Prices)> {
+    /// Method 2: the shares of all pairs at all steps.
+    fn solve(&self) -> Option<Vec<f64>> {
         let objective = self.objective();
         let Constraints {
             rows,
@@ -268,7 +231,7 @@ impl<'a> Programme<'a> {
             shares.iter_mut().for_each(|share| *share = share.round());
         }
         self.keep_within_one(&mut shares);
-        Some((shares, self.prices(&solver.solution.z)))
+        Some(shares)
     }
 
     /// The solver keeps its constraints to a tolerance; this keeps them exactly.
@@ -289,9 +252,9 @@ impl<'a> Programme<'a> {
 
     fn solution(&self, shares: &[f64]) -> Solution {
         let mut solution = Solution::default();
-        for step in 0..self.steps.len() {
-            for (number, pair) in self.near(step) {
-                let share = shares[self.share(step, number)];
+        for (step, near) in self.steps.iter().enumerate() {
+            for pair in near {
+                let share = shares[self.share(step, self.pairs[&(pair.truth, pair.track)])];
                 solution.tally.gain += share * pair.gain;
                 solution.tally.matched += share;
                 if share != 0.0 {

@@ -16,7 +16,6 @@
 //!    bounds, and their difference as the gap, which is 0 for an exact value.
 //! 3. Several sequences add up their p-th powers. `t_gospa_per_step` is (T-GOSPAᵖ / n)^(1/p), n steps at which a target is due.
 
-mod columns;
 mod exact;
 mod feasible;
 mod linear_programme;
