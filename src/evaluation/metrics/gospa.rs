@@ -133,6 +133,7 @@ impl InUnit {
         }
         report
     }
+
     fn parameters(&self) -> serde_json::Value {
         let Cutoff { cutoff_m, p } = self.unit.cutoff;
         json!({self.unit.parameter: cutoff_m, "p": p, "alpha": 2.0, "switch_penalty_m": self.switch_penalty_m})

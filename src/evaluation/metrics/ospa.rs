@@ -329,7 +329,9 @@ impl InUnit {
                 let (truth, track) = (pair.truth, pair.track);
                 let power = cutoff.powers(of_distance);
                 powers.of_distances.push((truth, track, power));
-                powers.of_labels.push((truth, track, cutoff.powers(label)));
+                if labels.is_some() {
+                    powers.of_labels.push((truth, track, cutoff.powers(label)));
+                }
             },
         );
         let localisation = sum + (fewer - pairs) as f64;

@@ -1,7 +1,7 @@
 //! Counts of one target or of a sector, and what they say.
 
 use super::settings::{Check, PER_HOUR, Rank};
-use crate::math::stats::{Interval, wilson_interval};
+use crate::math::stats::{Interval, mean, quantile, standard_deviation, wilson_interval};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -82,15 +82,12 @@ impl Score {
 
     pub fn statistics(&self, check: &Check) -> Option<Statistics> {
         let (unit, errors) = (check.error_unit()?, &self.errors);
-        let count = errors.len() as f64;
-        let mean = errors.iter().sum::<f64>() / count;
-        let squares: f64 = errors.iter().map(|error| (error - mean).powi(2)).sum();
         Some(Statistics {
             unit,
             count: errors.len() as u64,
-            mean,
+            mean: mean(errors)?,
             rms: rms(errors)?,
-            sigma: (errors.len() > 1).then(|| (squares / (count - 1.0)).sqrt()),
+            sigma: standard_deviation(errors),
             min: errors.iter().copied().fold(f64::INFINITY, f64::min),
             max: errors.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         })
@@ -112,12 +109,7 @@ fn percentile(values: &[f64], percent: f64, rank: Rank) -> Option<f64> {
             let rank = (percent * rising.len() as f64 / 100.0 - 1e-9).ceil() as usize;
             Some(rising[rank.saturating_sub(1).min(last)])
         }
-        Rank::Linear => {
-            let place = percent / 100.0 * last as f64;
-            let (low, high) = (place.floor() as usize, place.ceil() as usize);
-            let share = place - low as f64;
-            Some(rising[low] + (rising[high.min(last)] - rising[low]) * share)
-        }
+        Rank::Linear => quantile(&rising, percent / 100.0),
     }
 }
 

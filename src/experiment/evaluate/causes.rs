@@ -9,6 +9,7 @@ use crate::experiment::files::tables::{Table, number, optional};
 use crate::experiment::job::Artifact;
 use crate::model::watch::Watch;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Every episode, with why it is one.
 pub const CAUSES: &str = "causes.csv";
@@ -88,26 +89,19 @@ pub fn explain(sequences: &[Sequence], spec: &ComparisonSpec, watch: &Watch) -> 
 
 /// By kind of event, then the most frequent first.
 pub fn counts(episodes: &[Vec<Episode>]) -> Vec<CauseCount> {
-    let mut counts: Vec<CauseCount> = Vec::new();
-    for (event, _) in EventKind::ALL {
-        for (cause, _) in Cause::ALL {
-            let mut count = CauseCount {
-                event,
-                cause,
-                episodes: 0,
-                events: 0,
-            };
-            for episode in episodes.iter().flatten() {
-                if (episode.event, episode.cause) == (event, cause) {
-                    count.episodes += 1;
-                    count.events += episode.steps;
-                }
-            }
-            if count.episodes > 0 {
-                counts.push(count);
-            }
-        }
+    let mut found: BTreeMap<(EventKind, Cause), (u32, u32)> = BTreeMap::new();
+    for episode in episodes.iter().flatten() {
+        let (count, events) = found.entry((episode.event, episode.cause)).or_default();
+        *count += 1;
+        *events += episode.steps;
     }
+    let count = |((event, cause), (episodes, events))| CauseCount {
+        event,
+        cause,
+        episodes,
+        events,
+    };
+    let mut counts: Vec<CauseCount> = found.into_iter().map(count).collect();
     counts.sort_by_key(|count| (count.event, std::cmp::Reverse(count.events)));
     counts
 }
