@@ -50,6 +50,7 @@ PARTS = {
     '{"limits":': lambda part: ("evaluate", {"input": DETECTIONS, "truth": TRUTH, "sensors": SENSORS, **json.loads(part)}),
     '{"requirements":': lambda part: ("evaluate", {"input": DETECTIONS, "truth": TRUTH, "sensors": SENSORS, **json.loads(part)}),
     '{"truth_id":': "a part of a report",
+    '{"name": "correct", "forgiven":': "a part of a report",
 }
 SENSORS = [{"sensor_id": "radar", "p_d": 0.9, "clutter_per_m2": 1e-8, "sigma_x_m": 10, "sigma_y_m": 10}]
 
