@@ -1,4 +1,4 @@
-// Requirements of air surveillance: one row a sector and requirement, with the targets that fail it.
+// Requirements of air surveillance: a row per sector and requirement, with the targets that fail.
 
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
