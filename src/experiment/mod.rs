@@ -21,6 +21,7 @@ pub mod observer;
 pub mod presets;
 mod request;
 mod result_numbers;
+pub mod session;
 mod simulate;
 #[cfg(test)]
 mod tests;

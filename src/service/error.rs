@@ -27,6 +27,8 @@ pub enum ServiceError {
     IdempotencyMismatch,
     #[error("the queue is full")]
     QueueFull,
+    #[error("as much waits for the session as it takes; push again soon")]
+    SessionFull,
     #[error("the service is shutting down")]
     ShuttingDown,
     #[error("the database does not answer")]

@@ -7,6 +7,7 @@
 //! - `child`: work in processes of their own, which may fail without the service.
 //! - [`datasets`]: keeping files that hold datasets.
 //! - `engine`: the queue, which only says "look at this job now".
+//! - [`sessions`]: trackers of live feeds, each with a log in the tables.
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
 pub mod build_info;
@@ -22,6 +23,7 @@ pub mod http;
 pub mod jobs;
 pub mod openapi;
 pub mod server;
+pub mod sessions;
 mod storage;
 pub mod types;
 pub mod views;

@@ -142,6 +142,7 @@ impl Server {
 pub fn state(config: &Config, jobs: Arc<Jobs>) -> anyhow::Result<AppState> {
     Ok(AppState {
         datasets: jobs.datasets().clone(),
+        sessions: jobs.sessions().clone(),
         jobs,
         max_upload_bytes: config.max_upload_bytes,
         metrics: metrics()?,

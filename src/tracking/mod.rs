@@ -47,7 +47,15 @@ pub trait Tracker: Send {
     ) -> Result<ScanOutcome, Halt>;
 
     /// The living tracks as they are believed to be at the last scan.
-    fn tracks(&self) -> Vec<TrackEstimate>;
+    fn tracks(&self) -> Vec<TrackEstimate> {
+        self.tracks_at(None)
+    }
+
+    /// The same predicted to a time at or after the last scan; an earlier one, or none, is the last scan.
+    fn tracks_at(&self, time_s: Option<f64>) -> Vec<TrackEstimate>;
+
+    /// Ends tracks by hand, by serial; those that do not live are passed over.
+    fn forget(&mut self, serials: &[u32], recorder: &mut dyn Recorder);
 
     /// Tells the recorder what is still open; no scan follows.
     fn finish(&mut self, _recorder: &mut dyn Recorder) {}

@@ -20,6 +20,7 @@ mod limits;
 mod problems;
 mod raw_uploads;
 mod results;
+mod sessions;
 mod shutdown;
 mod told_at_once;
 mod transport;

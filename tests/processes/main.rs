@@ -9,4 +9,5 @@ mod job_files;
 mod many;
 mod postgres;
 mod process;
+mod sessions;
 mod single;

@@ -139,6 +139,18 @@ impl Draft {
         })
     }
 
+    /// The checked request.
+    ///
+    /// # Errors
+    /// All faults that were found.
+    pub fn into_spec(self) -> Result<Value, Vec<Fault>> {
+        if self.faults.is_empty() {
+            Ok(self.spec)
+        } else {
+            Err(self.faults)
+        }
+    }
+
     /// The typed request, where nothing is wrong with it.
     ///
     /// # Errors

@@ -231,7 +231,7 @@ pub const SEED: Field = default(
     whole(0, u32::MAX as i64, ""),
     "1",
 );
-static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
+pub static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
 pub const SENSORS: Field = optional(
     "sensors",
     "Settings of the recording's sensors, by name.",

@@ -6,7 +6,7 @@ pub mod fields;
 pub mod job_shape;
 pub mod limits;
 pub mod methods;
-mod names;
+pub mod names;
 pub mod paths;
 pub mod preset_source;
 pub mod scenario;

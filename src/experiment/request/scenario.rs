@@ -143,7 +143,7 @@ static COVERAGE: Union = Union {
     variants: || vec![variant("duplicates", &DUPLICATES)],
 };
 
-static ORIGIN: Object = Object {
+pub static ORIGIN: Object = Object {
     name: "ScenarioOrigin",
     summary: "A place on the Earth (WGS 84).",
     fields: &[

@@ -126,7 +126,7 @@ pub fn content_length(headers: &HeaderMap) -> Option<u64> {
         .ok()
 }
 
-async fn read_limited(
+pub async fn read_limited(
     headers: &HeaderMap,
     body: Body,
     limit_bytes: u64,

@@ -9,6 +9,8 @@ use axum::response::{IntoResponse, Response};
 
 /// Seconds after which a client may ask again when the queue is full or the service stops.
 const RETRY_BUSY_S: u16 = 5;
+/// Seconds after which a session has taken what waited.
+const RETRY_SESSION_S: u16 = 1;
 /// Seconds after which there may be room on the disk again: somebody has to look after it.
 const RETRY_ROOM_S: u16 = 30;
 /// Seconds after which a result that is not ready is worth another look.
@@ -99,6 +101,9 @@ impl From<ServiceError> for ApiError {
             ServiceError::InvalidCursor => ApiError::new("invalid_cursor", detail),
             ServiceError::IdempotencyMismatch => ApiError::new("idempotency_mismatch", detail),
             ServiceError::QueueFull => ApiError::busy("queue_full", detail),
+            ServiceError::SessionFull => {
+                ApiError::new("session_full", detail).retry_after(RETRY_SESSION_S)
+            }
             ServiceError::Unavailable => ApiError::busy("unavailable", detail),
             ServiceError::ShuttingDown => ApiError::busy("shutting_down", detail),
             ServiceError::MemoryLimit(_) => ApiError::new("memory_limit", detail),

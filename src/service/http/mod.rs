@@ -16,6 +16,7 @@ mod layers;
 mod problems;
 mod query;
 mod raw_upload;
+mod sessions;
 mod state;
 mod streams;
 mod system;
@@ -38,6 +39,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(jobs::routes())
         .merge(compare::routes())
         .merge(datasets::routes())
+        .merge(sessions::routes())
         .merge(catalogue::routes())
         .merge(system::routes())
         .merge(problems::routes())

@@ -4,6 +4,7 @@ use super::conditional::Constant;
 use super::streams::Streams;
 use crate::service::datasets::Datasets;
 use crate::service::jobs::Jobs;
+use crate::service::sessions::Sessions;
 use metrics_exporter_prometheus::PrometheusHandle;
 use std::sync::Arc;
 use utoipa::ToSchema;
@@ -12,6 +13,7 @@ use utoipa::ToSchema;
 pub struct AppState {
     pub jobs: Arc<Jobs>,
     pub datasets: Arc<Datasets>,
+    pub sessions: Arc<Sessions>,
     /// Largest file of an upload.
     pub max_upload_bytes: u64,
     pub metrics: PrometheusHandle,

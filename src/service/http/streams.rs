@@ -2,9 +2,21 @@
 
 use crate::service::config::ConnectionLimits;
 use crate::service::http::error::ApiError;
+use axum::http::{HeaderName, HeaderValue, header};
+use axum::response::sse::{self, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use futures::{Stream, StreamExt, stream};
 use std::collections::HashMap;
+use std::convert::Infallible;
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+const KEEP_ALIVE: Duration = Duration::from_secs(15);
+/// nginx passes on at once what says so.
+const UNBUFFERED: HeaderName = HeaderName::from_static("x-accel-buffering");
+/// What a browser waits before it connects again.
+const RETRY: Duration = Duration::from_secs(2);
 
 /// The streams that are open, by the address of the client.
 #[derive(Debug, Clone)]
@@ -73,6 +85,26 @@ impl Drop for OpenStream {
             }
         }
     }
+}
+
+/// An event stream that counts as open for as long as somebody asks for the next event.
+pub fn response<E: 'static>(
+    open: OpenStream,
+    events: impl Stream<Item = E> + Send + 'static,
+    encode: fn(E) -> sse::Event,
+) -> Response {
+    let head = stream::iter([sse::Event::default().retry(RETRY)]);
+    let events = head.chain(events.map(encode)).map(move |event| {
+        let _ = &open;
+        Ok::<_, Infallible>(event)
+    });
+    let mut response = Sse::new(events)
+        .keep_alive(KeepAlive::new().interval(KEEP_ALIVE))
+        .into_response();
+    let headers = response.headers_mut();
+    headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers.insert(UNBUFFERED, HeaderValue::from_static("no"));
+    response
 }
 
 fn too_many(detail: &str) -> ApiError {

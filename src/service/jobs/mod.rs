@@ -24,6 +24,7 @@ use super::config::Config;
 use super::datasets::Datasets;
 use super::engine::{Engine, Entry, Handler};
 use super::error::ServiceError;
+use super::sessions::Sessions;
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
 use super::storage::room::{NoRoom, Room};
@@ -64,6 +65,7 @@ pub struct Jobs {
     campaigns: Campaigns,
     children: Arc<Children>,
     datasets: Arc<Datasets>,
+    sessions: Arc<Sessions>,
     /// Jobs that may compute at the same time.
     slots: Arc<Semaphore>,
     /// Where runs are put together for somebody who waits.
@@ -80,6 +82,11 @@ impl Jobs {
     /// The datasets of the same directory.
     pub fn datasets(&self) -> &Arc<Datasets> {
         &self.datasets
+    }
+
+    /// The live sessions of the same tables.
+    pub fn sessions(&self) -> &Arc<Sessions> {
+        &self.sessions
     }
 
     /// How many jobs are in each state.
@@ -111,6 +118,7 @@ impl Jobs {
         self.running.stop_all(Stop::ShuttingDown);
         self.engine.stop().await;
         self.children.close();
+        self.sessions.shutdown().await;
         self.storage.close().await;
         if let Some(Err(error)) = self.lock.as_ref().map(File::unlock) {
             tracing::warn!(%error, "the data directory was not unlocked");

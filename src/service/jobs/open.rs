@@ -9,6 +9,7 @@ use crate::service::child::{Children, Desk, IS_LIMITED, default_memory, size_tex
 use crate::service::config::Config;
 use crate::service::datasets::Datasets;
 use crate::service::engine::Engine;
+use crate::service::sessions::Sessions;
 use crate::service::storage::blobs::Blobs;
 use crate::service::storage::notices::Notices;
 use crate::service::storage::room::Room;
@@ -87,6 +88,9 @@ impl Jobs {
         let looks = desk(LOOKS);
         let desks = (desk(UPLOADS), looks.clone());
         let datasets = Datasets::new(storage.clone(), blobs.clone(), desks, closing.clone());
+        let datasets = Arc::new(datasets);
+        let address = config.listen.to_string();
+        let sessions = Sessions::new(storage.clone(), datasets.clone(), address, closing.clone());
         Ok(Jobs {
             room,
             blobs,
@@ -98,7 +102,8 @@ impl Jobs {
             running: Running::default(),
             campaigns: Campaigns::default(),
             slots: Arc::new(Semaphore::new(slots)),
-            datasets: Arc::new(datasets),
+            datasets,
+            sessions,
             looks,
             closing,
             must_requeue: AtomicBool::new(false),

@@ -1,6 +1,7 @@
 //! What requests carry: bodies, and the query of a raw upload. Their schemas come from the tables that check requests.
 
 use super::{examples, reference};
+use crate::experiment::session::{PUSHED_SCAN, SESSION};
 use crate::experiment::{self, JobKind};
 use crate::registry::{Components, Object, json_schema, tagged_schema};
 use crate::service::http;
@@ -33,6 +34,11 @@ pub fn request_bodies(components: &mut Components) -> BTreeMap<String, Value> {
         "updateJob".to_owned(),
         with_examples(&json_schema(&JOB_PATCH, &mut tables), &examples::patch()),
     );
+    bodies.insert(
+        "createSession".to_owned(),
+        with_examples(&json_schema(&SESSION, &mut tables), &examples::session()),
+    );
+    bodies.insert("pushScans".to_owned(), scans_body(&mut tables));
     bodies.insert("uploadDataset".to_owned(), upload_body(&mut tables));
     bodies.insert("uploadRawDataset".to_owned(), raw_body());
     tables.values_mut().for_each(tell_defaults);
@@ -113,6 +119,14 @@ fn with_examples(schema: &Value, examples: &[(&str, Value)]) -> Value {
         })
         .collect();
     json!({"required": true, "content": {"application/json": {"schema": schema, "examples": named}}})
+}
+
+/// One scan, or several in lines.
+fn scans_body(components: &mut Components) -> Value {
+    let scan = json_schema(&PUSHED_SCAN, components);
+    let mut body = with_examples(&scan, &examples::scan());
+    body["content"]["application/x-ndjson"] = json!({"schema": {"type": "string"}});
+    body
 }
 
 fn upload_body(components: &mut Components) -> Value {

@@ -132,6 +132,36 @@ pub(super) fn patch() -> Vec<(&'static str, Value)> {
     vec![("A new name", json!({"name": "crossing, second try"}))]
 }
 
+pub(super) fn session() -> Vec<(&'static str, Value)> {
+    let radar = json!({
+        "sensor_id": "radar", "x_m": 0.0, "y_m": 0.0, "sigma_range_m": 30.0, "sigma_bearing_deg": 0.1, "p_d": 0.9,
+        "clutter_per_m2": 1e-9
+    });
+    vec![(
+        "A radar, with late scans put in their place",
+        json!({
+            "name": "harbour", "sensors": [radar], "associator": {"method": "jpda"},
+            "tracker": {"initial_speed_sigma_mps": 10.0}, "late": "replay", "window_s": 20.0
+        }),
+    )]
+}
+
+pub(super) fn scan() -> Vec<(&'static str, Value)> {
+    vec![
+        (
+            "Two detections",
+            json!({
+                "sensor_id": "radar", "sequence": 17, "time_s": 1_700_000_000.25,
+                "detections": [{"range_m": 4012.5, "bearing_deg": 31.25}, {"range_m": 9810.0, "bearing_deg": 271.5}]
+            }),
+        ),
+        (
+            "A heartbeat",
+            json!({"sensor_id": "radar", "sequence": 18, "time_s": 1_700_000_002.75, "heartbeat": true}),
+        ),
+    ]
+}
+
 /// Jobs of several kinds, each with its kind.
 pub(super) fn jobs() -> Vec<(&'static str, Value)> {
     let kinds = [JobKind::Simulate, JobKind::Associate];

@@ -19,7 +19,7 @@ use utoipa::PartialSchema;
 
 pub use examples::job_examples;
 
-const TAGS: [(&str, &str); 5] = [
+const TAGS: [(&str, &str); 6] = [
     ("jobs", "Ask for work, follow it, cancel it, run it again."),
     (
         "results",
@@ -28,6 +28,10 @@ const TAGS: [(&str, &str); 5] = [
     (
         "datasets",
         "Recordings, truth and tracks: upload, look into, download.",
+    ),
+    (
+        "sessions",
+        "Trackers of live feeds: push scans, read tracks, follow events.",
     ),
     ("catalogue", "Methods with their parameters, and presets."),
     ("system", "Health, numbers, version, problems."),

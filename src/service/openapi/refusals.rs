@@ -17,7 +17,7 @@ const FIXED: [&str; 7] = [
 ];
 
 /// What the work of an operation is refused for, besides what its parameters and its body are refused for.
-const OF_WORK: [(&str, &[&str]); 20] = [
+const OF_WORK: [(&str, &[&str]); 29] = [
     ("cancelJob", &["job_terminal"]),
     (
         "compareJobs",
@@ -29,9 +29,18 @@ const OF_WORK: [(&str, &[&str]); 20] = [
     ("createEvaluateJob", NEW_JOB),
     ("createGroupJob", NEW_JOB),
     ("createJob", NEW_JOB),
+    ("closeSession", &["session_elsewhere", "shutting_down"]),
+    ("createSession", &["shutting_down"]),
     ("createSimulateJob", NEW_JOB),
     ("deleteDataset", &["in_use"]),
     ("deleteJob", &["job_active"]),
+    ("deleteSession", &["session_elsewhere"]),
+    ("endSessionTrack", SESSION),
+    ("getSessionHistory", SESSION),
+    ("getSessionTrack", SESSION),
+    ("listSessionTracks", SESSION),
+    ("pushScans", SESSION_PUSH),
+    ("streamSessionEvents", SESSION),
     ("downloadDataset", &["range_not_satisfiable"]),
     (
         "downloadJobArtifact",
@@ -50,6 +59,14 @@ const OF_WORK: [(&str, &[&str]); 20] = [
 ];
 
 const NEW_JOB: &[&str] = &["idempotency_mismatch", "queue_full", "shutting_down"];
+const SESSION: &[&str] = &["session_closed", "session_elsewhere", "session_full"];
+const SESSION_PUSH: &[&str] = &[
+    "session_closed",
+    "session_elsewhere",
+    "session_full",
+    "unsupported_media_type",
+    "payload_too_large",
+];
 const RESULT: &[&str] = &["result_not_ready", "job_failed"];
 
 /// Adds the problems of an operation to its answers: each status with the codes it may have, then the ranges, for what a

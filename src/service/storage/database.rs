@@ -33,6 +33,11 @@ const SQLITE_TABLES: &Migrations = &[
         "format options",
         include_str!("migrations/sqlite/0005_format_options.sql"),
     ),
+    (
+        6,
+        "sessions",
+        include_str!("migrations/sqlite/0006_sessions.sql"),
+    ),
 ];
 
 const POSTGRES_TABLES: &Migrations = &[
@@ -50,6 +55,11 @@ const POSTGRES_TABLES: &Migrations = &[
         5,
         "format options",
         include_str!("migrations/postgres/0005_format_options.sql"),
+    ),
+    (
+        6,
+        "sessions",
+        include_str!("migrations/postgres/0006_sessions.sql"),
     ),
 ];
 
@@ -206,6 +216,11 @@ impl Storage {
             .await?;
         transaction.commit().await?;
         Ok(set)
+    }
+
+    /// Whether other processes use the tables as well.
+    pub fn is_shared(&self) -> bool {
+        self.is_shared
     }
 
     /// Whether the database answers.
@@ -458,7 +473,7 @@ mod tests {
         );
         assert!(
             error.contains("version 99")
-                && error.contains("up to version 5")
+                && error.contains("up to version 6")
                 && error.contains("newer trackloom"),
             "{error}"
         );

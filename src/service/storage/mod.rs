@@ -19,6 +19,7 @@ mod outbox;
 mod page;
 mod recall;
 pub mod room;
+mod sessions;
 mod statement;
 mod transaction;
 mod unsynced;
@@ -32,6 +33,7 @@ pub use filter::{DatasetFilter, JobFilter, Paging, Sort};
 pub use jobs::{Cancellation, Deletion, StoredArtifact};
 pub use life::{Claim, ClaimedJob, Ending, NewArtifact};
 pub use page::{Cursor, Page};
+pub use sessions::{Checkpoint, Lease, LogAppend, NewSession, SessionEnd, StoredSession};
 
 use anyhow::Context;
 use jiff::Timestamp;

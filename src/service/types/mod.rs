@@ -11,6 +11,7 @@ mod job;
 mod problem;
 mod problem_help;
 mod report;
+mod session;
 mod tracking_events;
 
 pub use campaign::*;
@@ -21,4 +22,5 @@ pub use job::*;
 pub use problem::*;
 pub use problem_help::explanation;
 pub use report::*;
+pub use session::*;
 pub use tracking_events::*;

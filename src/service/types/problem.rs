@@ -38,6 +38,8 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
         416,
         "The range is outside the file",
     ),
+    ("session_closed", 409, "The session takes no more"),
+    ("session_elsewhere", 409, "Another process has the session"),
     ("validation", 422, "The request is not valid"),
     (
         "idempotency_mismatch",
@@ -50,6 +52,11 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
         "crashed",
         500,
         "The job ended the process that ran it, too often",
+    ),
+    (
+        "session_full",
+        429,
+        "As much waits for the session as it takes",
     ),
     ("queue_full", 503, "The queue is full"),
     ("too_many_connections", 503, "Too many connections are open"),

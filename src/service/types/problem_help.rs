@@ -136,6 +136,21 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "Give the machine more memory, or the job less data.",
     ),
     (
+        "session_full",
+        "Scans that were pushed before still wait to be written and taken, as many as a session holds.",
+        "Push again after the time in Retry-After, and push several scans at once.",
+    ),
+    (
+        "session_closed",
+        "The session was closed, or its tracker failed: the session itself says which.",
+        "Begin another session. What a closed one took is the dataset that it names.",
+    ),
+    (
+        "session_elsewhere",
+        "Several processes share the database, and another one has the session.",
+        "Ask the process whose address is told. When it has gone, any other takes the session over within 15 seconds.",
+    ),
+    (
         "queue_full",
         "As many jobs are queued as the service takes.",
         "Submit again after the time in Retry-After. The option --queue-limit sets the number.",

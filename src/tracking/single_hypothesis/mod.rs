@@ -322,21 +322,35 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
         })
     }
 
-    fn tracks(&self) -> Vec<TrackEstimate> {
-        let Memory {
-            tracks, beliefs, ..
-        } = &self.memory;
-        let estimate = |(track, belief): (&ActiveTrack, &F::Belief)| {
+    fn tracks_at(&self, time_s: Option<f64>) -> Vec<TrackEstimate> {
+        let last_s = self.memory.last_time_s.unwrap_or(0.0);
+        let time_s = time_s.filter(|time_s| *time_s > last_s);
+        let step = time_s.map(|time_s| self.filter.step(time_s - last_s));
+        let mut estimates = Vec::with_capacity(self.memory.tracks.len());
+        for (track, belief) in self.memory.tracks.iter().zip(&self.memory.beliefs) {
+            let mut belief = *belief;
+            if let Some(step) = &step {
+                F::predict(step, &mut belief);
+            }
             let mut kinematics = Vec::new();
-            F::kinematics(belief).pack_into(&mut kinematics);
-            TrackEstimate {
+            F::kinematics(&belief).pack_into(&mut kinematics);
+            estimates.push(TrackEstimate {
                 serial: track.serial,
-                time_s: self.memory.last_time_s.unwrap_or(0.0),
+                time_s: time_s.unwrap_or(last_s),
                 status: track.life.status(),
                 kinematics,
+            });
+        }
+        estimates
+    }
+
+    fn forget(&mut self, serials: &[u32], recorder: &mut dyn Recorder) {
+        for track in &mut self.memory.tracks {
+            if serials.contains(&track.serial) {
+                track.life.end();
             }
-        };
-        tracks.iter().zip(beliefs).map(estimate).collect()
+        }
+        self.sweep(recorder);
     }
 
     fn finish(&mut self, recorder: &mut dyn Recorder) {

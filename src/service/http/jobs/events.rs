@@ -4,25 +4,17 @@ use super::super::extract::Id;
 use super::super::headers::{MAX_EVENT, MAX_WAIT_S, last_event_id, patience};
 use super::super::query::Params;
 use super::super::state::AppState;
+use super::super::streams;
 use crate::service::connections::Ends;
 use crate::service::http::error::ApiResult;
 use crate::service::types::{Event, EventPage};
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
+use axum::http::HeaderMap;
 use axum::response::IntoResponse;
-use axum::response::sse::{self, KeepAlive, Sse};
+use axum::response::sse;
 use axum::{Extension, Json};
-use futures::{StreamExt, stream};
-use std::convert::Infallible;
-use std::time::Duration;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
-
-const KEEP_ALIVE: Duration = Duration::from_secs(15);
-/// nginx passes on at once what says so.
-const UNBUFFERED: HeaderName = HeaderName::from_static("x-accel-buffering");
-/// What a browser waits before it connects again.
-const RETRY: Duration = Duration::from_secs(2);
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -54,28 +46,11 @@ async fn stream_job_events(
     let after = last_event_id(&headers)?.or(asked).unwrap_or(0);
     let open = app.streams.open(ends.client.ip())?;
     let events = app.jobs.events(id, after).await?;
-    let head = stream::iter([sse::Event::default().retry(RETRY)]);
-    let stream = head
-        .chain(events.map(|event| encode(&event)))
-        .map(move |event| {
-            // Open for as long as there is somebody to ask for the next event.
-            let _ = &open;
-            Ok::<_, Infallible>(event)
-        });
-    let mut response = Sse::new(stream)
-        .keep_alive(KeepAlive::new().interval(KEEP_ALIVE))
-        .into_response();
-    response
-        .headers_mut()
-        .insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
-    response
-        .headers_mut()
-        .insert(UNBUFFERED, HeaderValue::from_static("no"));
-    Ok(response)
+    Ok(streams::response(open, events, encode))
 }
 
-fn encode(event: &Event) -> sse::Event {
-    let data = serde_json::to_string(event).unwrap_or_default();
+fn encode(event: Event) -> sse::Event {
+    let data = serde_json::to_string(&event).unwrap_or_default();
     sse::Event::default()
         .id(event.seq().to_string())
         .event(event.type_name())

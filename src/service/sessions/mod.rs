@@ -1,0 +1,543 @@
+//! Live sessions: made, fed, asked, closed. A session lives in one process at a time; its log in the tables is the truth.
+
+mod live;
+mod log;
+
+use super::datasets::{DatasetMeta, Datasets, ReceivedFile};
+use super::error::{ServiceError, cursor_of};
+use super::storage::blobs::sha256_hex;
+use super::storage::{Lease, NewSession, Page, Paging, SessionEnd, Storage, StoredSession};
+use super::types::{
+    DatasetInfo, LiveTracks, Pushed, SessionEvents, SessionInfo, SessionLive, SessionPage,
+    SessionState, TrackHistory,
+};
+use crate::experiment::session::{
+    Entry, Scene, Session, SessionEvent, SessionRecording, read_scan,
+};
+use crate::formats::FormatOptions;
+use crate::model::dataset::DatasetKind;
+use crate::model::fault::Fault;
+use crate::model::sensor::SensorSettings;
+use crate::service::build_info::VERSION;
+use anyhow::Context;
+use futures::{Stream, stream};
+use live::Live;
+use log::Log;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use tokio_util::sync::CancellationToken;
+use uuid::Uuid;
+
+/// Sessions that one process has open.
+const MOST_OPEN: usize = 256;
+/// How often a process says that it still has its sessions.
+const RENEWAL: Duration = Duration::from_secs(3);
+/// Events that are sent at once.
+const EVENTS_AT_ONCE: usize = 500;
+/// Scans of a recording that a session can become.
+const MOST_RECORDED: usize = 1_000_000;
+
+/// The sessions of one process.
+pub struct Sessions {
+    storage: Storage,
+    datasets: Arc<Datasets>,
+    log: Log,
+    /// Where other processes reach this one.
+    address: String,
+    live: Mutex<HashMap<Uuid, Arc<Live>>>,
+    /// Held while a session is read from its log.
+    opening: tokio::sync::Mutex<()>,
+    closing: CancellationToken,
+}
+
+impl Sessions {
+    pub fn new(
+        storage: Storage,
+        datasets: Arc<Datasets>,
+        address: String,
+        closing: CancellationToken,
+    ) -> Arc<Self> {
+        let sessions = Arc::new(Sessions {
+            log: Log::start(storage.clone()),
+            storage,
+            datasets,
+            address,
+            live: Mutex::default(),
+            opening: tokio::sync::Mutex::default(),
+            closing,
+        });
+        let (weak, closing) = (Arc::downgrade(&sessions), sessions.closing.clone());
+        tokio::spawn(async move {
+            loop {
+                tokio::select! {
+                    () = tokio::time::sleep(RENEWAL) => {}
+                    () = closing.cancelled() => return,
+                }
+                let Some(sessions) = weak.upgrade() else {
+                    return;
+                };
+                sessions.renew().await;
+            }
+        });
+        sessions
+    }
+
+    async fn renew(&self) {
+        let is_idle = self.all_live().is_empty();
+        if is_idle || !self.storage.is_shared() {
+            return;
+        }
+        if let Err(error) = self.storage.renew_sessions().await {
+            tracing::warn!(
+                error = format!("{error:#}"),
+                "sessions were not kept for this process"
+            );
+        }
+    }
+
+    fn all_live(&self) -> Vec<Arc<Live>> {
+        let live = self.live.lock().unwrap_or_else(PoisonError::into_inner);
+        live.values().cloned().collect()
+    }
+
+    /// Writes down what is open, and gives it back.
+    pub async fn shutdown(&self) {
+        for live in self.all_live() {
+            live.rest(&self.storage).await;
+        }
+        if let Err(error) = self.storage.release_sessions().await {
+            tracing::warn!(error = format!("{error:#}"), "sessions were not given back");
+        }
+    }
+
+    /// Makes a session.
+    pub async fn create(&self, body: &Value) -> Result<SessionInfo, ServiceError> {
+        if self.closing.is_cancelled() {
+            return Err(ServiceError::ShuttingDown);
+        }
+        let scene = Scene::plan(body).map_err(ServiceError::Invalid)?;
+        let mut spec = scene.spec;
+        let mut taken = |name: &str| {
+            spec.as_object_mut()
+                .and_then(|spec| spec.shift_remove(name))
+        };
+        let name = taken("name").and_then(|name| name.as_str().map(str::to_owned));
+        let labels = taken("labels").and_then(|labels| serde_json::from_value(labels).ok());
+        let new = NewSession {
+            name,
+            labels: labels.unwrap_or_default(),
+            spec,
+        };
+        let id = self.storage.add_session(&new).await?;
+        self.get(id).await
+    }
+
+    pub async fn get(&self, id: Uuid) -> Result<SessionInfo, ServiceError> {
+        let stored = self.stored(id).await?;
+        let live = if stored.state == SessionState::Open {
+            Some(self.open(&stored).await?)
+        } else {
+            None
+        };
+        // Read once more: opening may have found it failed.
+        let stored = self.stored(id).await?;
+        Ok(SessionInfo {
+            live: live.map(|live| told_of(&live.session())),
+            ..info(stored)
+        })
+    }
+
+    pub async fn list(&self, paging: &Paging) -> Result<SessionPage, ServiceError> {
+        let after = cursor_of(paging)?;
+        let Page {
+            items,
+            next_cursor,
+            total,
+        } = self.storage.sessions(paging, after).await?;
+        Ok(SessionPage {
+            items: items.into_iter().map(info).collect(),
+            next_cursor,
+            total,
+        })
+    }
+
+    async fn stored(&self, id: Uuid) -> Result<StoredSession, ServiceError> {
+        let stored = self.storage.session(id).await?;
+        let stored = stored.ok_or(ServiceError::NotFound("session"))?;
+        if stored.deleted {
+            return Err(ServiceError::Gone("session"));
+        }
+        Ok(stored)
+    }
+
+    /// The session in the memory of this process, where it is, or from its log.
+    async fn live(&self, id: Uuid) -> Result<Arc<Live>, ServiceError> {
+        if let Some(live) = self.in_memory(id) {
+            return Ok(live);
+        }
+        let stored = self.stored(id).await?;
+        if stored.state != SessionState::Open {
+            let detail = format!("the session is {}", state_name(stored.state));
+            return Err(ServiceError::conflict("session_closed", detail));
+        }
+        self.open(&stored).await
+    }
+
+    fn in_memory(&self, id: Uuid) -> Option<Arc<Live>> {
+        let mut all = self.live.lock().unwrap_or_else(PoisonError::into_inner);
+        let live = all.get(&id).cloned()?;
+        if live.is_spoilt() {
+            all.remove(&id);
+            return None;
+        }
+        Some(live)
+    }
+
+    async fn open(&self, stored: &StoredSession) -> Result<Arc<Live>, ServiceError> {
+        if let Some(live) = self.in_memory(stored.id) {
+            return Ok(live);
+        }
+        let _one_at_a_time = self.opening.lock().await;
+        if let Some(live) = self.in_memory(stored.id) {
+            return Ok(live);
+        }
+        if self.closing.is_cancelled() {
+            return Err(ServiceError::ShuttingDown);
+        }
+        if self.all_live().len() >= MOST_OPEN {
+            return Err(ServiceError::SessionFull);
+        }
+        let fence = match self.storage.lease_session(stored.id, &self.address).await? {
+            Lease::Ours { fence } => fence,
+            Lease::Theirs { address } => {
+                let there = address.unwrap_or_else(|| "another process".to_owned());
+                let detail = format!("the session is served by {there}; ask there");
+                return Err(ServiceError::conflict("session_elsewhere", detail));
+            }
+        };
+        let live = Arc::new(self.read_back(stored, fence).await?);
+        let mut all = self.live.lock().unwrap_or_else(PoisonError::into_inner);
+        all.insert(stored.id, live.clone());
+        Ok(live)
+    }
+
+    /// From the checkpoint and the entries since; from all entries where another version wrote the checkpoint.
+    async fn read_back(&self, stored: &StoredSession, fence: i64) -> Result<Live, ServiceError> {
+        let scene = Arc::new(Scene::again(&stored.spec).map_err(ServiceError::Invalid)?);
+        let checkpoint = self.storage.checkpoint(stored.id).await?;
+        let (mut session, mut entries) = (Session::new(scene.clone()), 0);
+        if let Some(checkpoint) = checkpoint {
+            let read = Session::read_back(scene, &checkpoint.bytes);
+            match read.ok().filter(|_| checkpoint.version == VERSION) {
+                Some(read) => (session, entries) = (read, checkpoint.entries),
+                None => tracing::warn!(
+                    session = %stored.id,
+                    version = checkpoint.version,
+                    "the checkpoint is of another version: the whole log is read"
+                ),
+            }
+        }
+        let from = entries;
+        loop {
+            let page = self.storage.log_page(stored.id, entries).await?;
+            if page.is_empty() {
+                break;
+            }
+            entries += page.len() as u64;
+            let work = move || take_page(session, &page);
+            let taken = tokio::task::spawn_blocking(work).await;
+            session = taken.context("reading a log panicked")??;
+        }
+        tracing::info!(session = %stored.id, from, entries, "a session was read from its log");
+        Ok(Live::new(stored.id, fence, session, entries, from))
+    }
+
+    /// Takes scans: one, or those of several lines.
+    pub async fn push(
+        &self,
+        id: Uuid,
+        scans: &[(Option<u64>, Value)],
+        bytes: usize,
+    ) -> Result<Pushed, ServiceError> {
+        let live = self.live(id).await?;
+        let scene = live.session().scene().clone();
+        let (mut entries, mut faults) = (Vec::with_capacity(scans.len()), Vec::new());
+        for (line, value) in scans {
+            match read_scan(value, &scene) {
+                Ok(scan) => entries.push(Entry::Scan(scan)),
+                Err(found) => faults.extend(found.into_iter().map(|fault| Fault {
+                    line: *line,
+                    ..fault
+                })),
+            }
+        }
+        if !faults.is_empty() {
+            return Err(ServiceError::Invalid(faults));
+        }
+        live.push(entries, bytes, (&self.log, &self.storage)).await
+    }
+
+    pub async fn tracks(&self, id: Uuid, at_s: Option<f64>) -> Result<LiveTracks, ServiceError> {
+        let live = self.live(id).await?;
+        let session = live.session();
+        Ok(LiveTracks {
+            processed_to_s: session.processed_to_s(),
+            last_event: session.last_event(),
+            tracks: session.tracks(at_s),
+        })
+    }
+
+    pub async fn history(&self, id: Uuid, track_id: &str) -> Result<TrackHistory, ServiceError> {
+        let live = self.live(id).await?;
+        let history = live.session().history(track_id);
+        history.ok_or(ServiceError::NotFound("living track"))
+    }
+
+    /// Ends a track by hand.
+    pub async fn end_track(&self, id: Uuid, track_id: &str) -> Result<(), ServiceError> {
+        let live = self.live(id).await?;
+        if live.session().history(track_id).is_none() {
+            return Err(ServiceError::NotFound("living track"));
+        }
+        let track_id = track_id.to_owned();
+        let entries = vec![Entry::End { track_id }];
+        live.push(entries, 1, (&self.log, &self.storage)).await?;
+        Ok(())
+    }
+
+    /// Events after a number; with none yet it waits for some.
+    pub async fn events(
+        &self,
+        id: Uuid,
+        after: u64,
+        patience: Duration,
+    ) -> Result<SessionEvents, ServiceError> {
+        let live = self.live(id).await?;
+        let mut news = live.news.subscribe();
+        let items = events_after(&live, after)?;
+        if items.is_empty() && !patience.is_zero() {
+            // Whether there was news or not, what there is is told.
+            let _ = tokio::time::timeout(patience, news.changed()).await;
+        }
+        let items = events_after(&live, after)?;
+        let last_event = live.session().last_event();
+        Ok(SessionEvents { items, last_event })
+    }
+
+    /// Events after a number as they come. It ends with the session, and where its reader is so slow that events are no longer kept.
+    pub async fn follow(
+        &self,
+        id: Uuid,
+        after: u64,
+    ) -> Result<impl Stream<Item = SessionEvent> + Send + use<>, ServiceError> {
+        let live = self.live(id).await?;
+        let news = live.news.subscribe();
+        events_after(&live, after)?;
+        let from = (
+            live,
+            news,
+            after,
+            Vec::new().into_iter(),
+            self.closing.clone(),
+        );
+        Ok(stream::unfold(
+            from,
+            |(live, mut news, after, mut ready, closing)| async move {
+                loop {
+                    let next: Option<SessionEvent> = ready.next();
+                    if let Some(event) = next {
+                        let id = event.id;
+                        return Some((event, (live, news, id, ready, closing)));
+                    }
+                    news.borrow_and_update();
+                    ready = live.events(after, EVENTS_AT_ONCE)?.into_iter();
+                    if ready.len() > 0 {
+                        continue;
+                    }
+                    if live.is_spoilt() {
+                        return None;
+                    }
+                    tokio::select! {
+                        changed = news.changed() => changed.ok()?,
+                        () = closing.cancelled() => return None,
+                    }
+                }
+            },
+        ))
+    }
+
+    /// The scans so far as a dataset of detections.
+    pub async fn record(&self, id: Uuid) -> Result<(DatasetInfo, bool), ServiceError> {
+        let stored = self.stored(id).await?;
+        self.record_stored(&stored).await
+    }
+
+    async fn record_stored(
+        &self,
+        stored: &StoredSession,
+    ) -> Result<(DatasetInfo, bool), ServiceError> {
+        let scene = Arc::new(Scene::again(&stored.spec).map_err(ServiceError::Invalid)?);
+        let mut recording = SessionRecording::new(scene);
+        let mut entries = 0;
+        loop {
+            let page = self.storage.log_page(stored.id, entries).await?;
+            if page.is_empty() {
+                break;
+            }
+            entries += page.len() as u64;
+            for text in &page {
+                let entry = serde_json::from_str(text).context("an entry of a log")?;
+                recording
+                    .add(entry)
+                    .map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
+            }
+            if recording.scans() > MOST_RECORDED {
+                let detail = format!("the session has more than {MOST_RECORDED} scans");
+                return Err(ServiceError::Invalid(vec![Fault::new(
+                    "",
+                    "too_large",
+                    detail,
+                )]));
+            }
+        }
+        if recording.scans() == 0 {
+            let detail = "the session has no scans";
+            return Err(ServiceError::Invalid(vec![Fault::new("", "empty", detail)]));
+        }
+        let bytes = recording.into_csv();
+        let path = self.datasets.temp_dir().join(Uuid::now_v7().to_string());
+        let file = ReceivedFile {
+            sha256: sha256_hex(&bytes),
+            bytes: bytes.len() as u64,
+            path: path.clone(),
+        };
+        let write = move || std::fs::write(path, bytes);
+        let written = tokio::task::spawn_blocking(write).await;
+        let written = written.context("writing a recording panicked")?;
+        written.map_err(anyhow::Error::from)?;
+        self.datasets.add(file, meta_of(stored)).await
+    }
+
+    /// Ends a session: what it took becomes a dataset, and a job tracks it with the same settings.
+    /// `submit` is given the body of the job, and gives its identity.
+    pub async fn close<F>(
+        &self,
+        id: Uuid,
+        submit: impl FnOnce(Value) -> F,
+    ) -> Result<SessionInfo, ServiceError>
+    where
+        F: Future<Output = Result<Uuid, ServiceError>>,
+    {
+        let stored = self.stored(id).await?;
+        if stored.state != SessionState::Open {
+            return self.get(id).await;
+        }
+        let live = self.open(&stored).await?;
+        let fence = live.fence;
+        // Whoever pushes now finds it closed.
+        live.rest(&self.storage).await;
+        let mut end = SessionEnd::default();
+        if self.stored(id).await?.entries > 0 {
+            match self.record_stored(&stored).await {
+                Ok((dataset, _)) => {
+                    end.dataset_id = Some(dataset.id);
+                    let scene = Scene::again(&stored.spec).map_err(ServiceError::Invalid)?;
+                    let mut body = scene.job_on(&dataset.id.to_string());
+                    if let Some(name) = &stored.name {
+                        body["name"] = json!(name);
+                    }
+                    end.job_id = Some(submit(body).await?);
+                }
+                // Heartbeats alone are no recording.
+                Err(ServiceError::Invalid(faults))
+                    if faults.iter().all(|fault| fault.code == "empty") => {}
+                Err(error) => return Err(error),
+            }
+        }
+        if !self.storage.end_session(id, fence, &end).await? {
+            return Err(ServiceError::Unavailable);
+        }
+        self.get(id).await
+    }
+
+    /// Deletes a session with its log; what was made of it stays.
+    pub async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
+        let stored = self.stored(id).await?;
+        if stored.state == SessionState::Open {
+            self.open(&stored).await?.spoil();
+        }
+        Ok(self.storage.delete_session(id).await?)
+    }
+}
+
+fn take_page(mut session: Session, page: &[String]) -> Result<Session, ServiceError> {
+    for text in page {
+        let entry: Entry = serde_json::from_str(text).context("an entry of a log")?;
+        let taken = session.take(entry);
+        taken.map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
+    }
+    Ok(session)
+}
+
+fn events_after(live: &Live, after: u64) -> Result<Vec<SessionEvent>, ServiceError> {
+    let events = live.events(after, EVENTS_AT_ONCE);
+    events.ok_or(ServiceError::Gone("event, or one after it,"))
+}
+
+/// What the dataset of a session says of itself.
+fn meta_of(stored: &StoredSession) -> DatasetMeta {
+    let mut options = FormatOptions::default();
+    options.add("origin", &stored.spec.get("origin"));
+    let listed = stored.spec.get("sensors").cloned().unwrap_or_default();
+    let sensors: Vec<SensorSettings> = serde_json::from_value(listed).unwrap_or_default();
+    let name = stored.name.clone();
+    DatasetMeta {
+        name: Some(name.unwrap_or_else(|| format!("session {}", stored.id))),
+        kind: Some(DatasetKind::Detections),
+        format: Some("csv".to_owned()),
+        options,
+        sensors,
+        ..DatasetMeta::default()
+    }
+}
+
+fn info(stored: StoredSession) -> SessionInfo {
+    SessionInfo {
+        id: stored.id,
+        name: stored.name,
+        labels: stored.labels,
+        state: stored.state,
+        entries: stored.entries,
+        created_at: stored.created_at,
+        closed_at: stored.closed_at,
+        dataset_id: stored.dataset_id,
+        job_id: stored.job_id,
+        fault: stored.fault,
+        request: stored.spec,
+        live: None,
+    }
+}
+
+fn told_of(session: &Session) -> SessionLive {
+    let tracks = session.tracks(None);
+    let is_confirmed = |track: &&crate::service::types::LiveTrack| track.is_confirmed();
+    SessionLive {
+        counts: session.counts(),
+        processed_to_s: session.processed_to_s(),
+        waiting: session.waiting() as u64,
+        confirmed: tracks.iter().filter(is_confirmed).count() as u64,
+        tracks: tracks.len() as u64,
+        last_event: session.last_event(),
+        warnings: session.scene().warnings.clone(),
+    }
+}
+
+fn state_name(state: SessionState) -> &'static str {
+    match state {
+        SessionState::Open => "open",
+        SessionState::Closed => "closed",
+        SessionState::Failed => "failed",
+    }
+}

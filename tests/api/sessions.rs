@@ -1,0 +1,332 @@
+//! A live session: scans go in, tracks and events come out, and what is wrong is told before anything is taken.
+
+use crate::helpers::{Answer, Api, send};
+use reqwest::Method;
+use serde_json::{Value, json};
+
+fn request() -> Value {
+    json!({
+        "name": "harbour", "labels": {"site": "north"},
+        "sensors": [{"sensor_id": "radar", "sigma_x_m": 10.0, "sigma_y_m": 10.0, "p_d": 0.9, "clutter_per_m2": 1e-8}],
+        "tracker": {"initial_speed_sigma_mps": 10.0}
+    })
+}
+
+trait Told {
+    /// The body of a refusal with this code.
+    fn refused(&self, code: &str) -> Value;
+    /// A success without a body.
+    fn nothing(&self);
+}
+
+impl Told for Answer {
+    #[track_caller]
+    fn refused(&self, code: &str) -> Value {
+        let body = self.problem();
+        assert_eq!(body["type"], format!("/problems/{code}"), "{body}");
+        body
+    }
+
+    #[track_caller]
+    fn nothing(&self) {
+        assert_eq!((self.status.as_u16(), self.text.as_str()), (204, ""));
+    }
+}
+
+/// Two targets, one going east and one north.
+fn scan(index: u64) -> Value {
+    let along_m = 20.0 * index as f64;
+    json!({"sensor_id": "radar", "sequence": index, "time_s": 2.0 * index as f64, "detections": [
+        {"detection_id": "a", "x_m": along_m, "y_m": 0.0}, {"detection_id": "b", "x_m": -3000.0, "y_m": along_m}
+    ]})
+}
+
+async fn session(api: &Api, body: &Value) -> String {
+    let made = api.post("/v1/sessions", body).await;
+    let path = made.header("location").to_owned();
+    let made = made.ok(201);
+    assert_eq!(
+        path,
+        format!("/v1/sessions/{}", made["id"].as_str().unwrap())
+    );
+    assert_eq!(
+        (&made["state"], &made["entries"]),
+        (&json!("open"), &json!(0))
+    );
+    path
+}
+
+async fn push_lines(api: &Api, path: &str, text: String) -> Answer {
+    let request = api.request(Method::POST, &format!("{path}/scans"));
+    send(
+        request
+            .header("content-type", "application/x-ndjson")
+            .body(text),
+    )
+    .await
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_session_is_fed_asked_and_closed_into_a_dataset_and_a_job() {
+    let api = Api::start().await;
+    let path = session(&api, &request()).await;
+    for index in 0..8 {
+        let pushed = api
+            .post(&format!("{path}/scans"), &scan(index))
+            .await
+            .ok(200);
+        assert_eq!(
+            pushed["scans"],
+            json!([{"fate": "taken", "sensor_id": "radar", "sequence": index}])
+        );
+        assert_eq!(
+            (&pushed["entries"], &pushed["processed_to_s"]),
+            (&json!(index + 1), &json!(2.0 * index as f64))
+        );
+    }
+    let again = api.post(&format!("{path}/scans"), &scan(3)).await.ok(200);
+    assert_eq!(
+        (&again["scans"][0]["fate"], &again["entries"]),
+        (&json!("duplicate"), &json!(8))
+    );
+    let tracks = api.get(&format!("{path}/tracks")).await.ok(200);
+    let tracks = tracks["tracks"].as_array().unwrap().clone();
+    assert_eq!(tracks.len(), 2);
+    for track in &tracks {
+        assert_eq!(
+            (&track["status"], &track["detections"]),
+            (&json!("confirmed"), &json!(8))
+        );
+    }
+    let east = tracks
+        .iter()
+        .find(|track| track["x_m"].as_f64().unwrap() > 0.0)
+        .unwrap();
+    assert!(
+        (east["x_m"].as_f64().unwrap() - 140.0).abs() < 5.0
+            && (east["vx_mps"].as_f64().unwrap() - 10.0).abs() < 1.5
+    );
+    let ahead = api.get(&format!("{path}/tracks?at_s=24")).await.ok(200);
+    let moved_m = ahead["tracks"][0]["x_m"].as_f64().unwrap() - tracks[0]["x_m"].as_f64().unwrap();
+    assert!((moved_m - 10.0 * tracks[0]["vx_mps"].as_f64().unwrap()).abs() < 1e-6);
+    let history = api.get(&format!("{path}/tracks/1")).await.ok(200);
+    assert_eq!(history["points"].as_array().unwrap().len(), 8);
+    let info = api.get(&path).await.ok(200);
+    assert_eq!(
+        (
+            &info["labels"]["site"],
+            &info["live"]["confirmed"],
+            &info["live"]["counts"]["detections"]
+        ),
+        (&json!("north"), &json!(2), &json!(16))
+    );
+
+    let closed = api.post(&format!("{path}/close"), &json!({})).await.ok(200);
+    assert_eq!(closed["state"], "closed");
+    let job = closed["job_id"].as_str().unwrap();
+    api.jobs
+        .wait(job.parse().unwrap(), std::time::Duration::from_secs(30))
+        .await
+        .unwrap();
+    let report = api.get(&format!("/v1/jobs/{job}/report")).await.ok(200);
+    assert_eq!(
+        report["result"]["association"]["confirmed_tracks"], 2,
+        "{report}"
+    );
+    let dataset = api
+        .get(&format!(
+            "/v1/datasets/{}",
+            closed["dataset_id"].as_str().unwrap()
+        ))
+        .await
+        .ok(200);
+    assert_eq!(
+        (
+            &dataset["summary"]["scans"],
+            &dataset["summary"]["detections"]
+        ),
+        (&json!(8), &json!(16)),
+        "{dataset}"
+    );
+    api.post(&format!("{path}/scans"), &scan(9))
+        .await
+        .refused("session_closed");
+    api.delete(&path).await.nothing();
+    api.get(&path).await.refused("gone");
+    assert_eq!(api.get("/v1/sessions").await.ok(200)["items"], json!([]));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_a_batch_with_a_fault_nothing_is_taken() {
+    let api = Api::start().await;
+    let path = session(&api, &request()).await;
+    let good: Vec<String> = (0..3).map(|index| scan(index).to_string()).collect();
+    let bad = json!({"sensor_id": "sonar", "time_s": 1.0, "detections": [{"x_m": 1.0}]});
+    let worse = json!({"sensor_id": "radar", "time_s": 7.0, "detections": [{"x_m": 1.0}, {"x_m": "far", "y_m": 2.0}]});
+    let text = format!("{}\n\n{bad}\n{worse}\n{}", good[0], good[1]);
+    let told = push_lines(&api, &path, text).await.refused("validation");
+    let places: Vec<(u64, &str)> = told["errors"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|fault| {
+            (
+                fault["line"].as_u64().unwrap(),
+                fault["pointer"].as_str().unwrap(),
+            )
+        })
+        .collect();
+    assert_eq!(places, [(3, "/sensor_id"), (4, "/detections/1/x_m")]);
+    assert_eq!(api.get(&path).await.ok(200)["entries"], 0);
+    let pushed = push_lines(&api, &path, good.join("\n")).await.ok(200);
+    assert_eq!(
+        (
+            pushed["scans"].as_array().unwrap().len(),
+            &pushed["entries"]
+        ),
+        (3, &json!(3))
+    );
+    // Twice in one batch is once.
+    let twice = push_lines(&api, &path, format!("{}\n{}", scan(3), scan(3)))
+        .await
+        .ok(200);
+    let fates: Vec<&Value> = twice["scans"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| &one["fate"])
+        .collect();
+    assert_eq!(fates, ["taken", "duplicate"]);
+    let late = json!({"sensor_id": "radar", "sequence": 9, "time_s": 0.5, "detections": []});
+    let late = api.post(&format!("{path}/scans"), &late).await.ok(200);
+    assert_eq!(late["scans"][0]["fate"], "late_dropped");
+    let kinds: Vec<&Value> = late["events"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|event| &event["kind"])
+        .collect();
+    assert_eq!(kinds, ["gap", "late_dropped"]);
+    let text = api
+        .request(Method::POST, &format!("{path}/scans"))
+        .header("content-type", "text/csv")
+        .body("a,b");
+    send(text).await.refused("unsupported_media_type");
+    let unknown = "/v1/sessions/0198c0de-0000-7000-8000-000000000000";
+    api.get(unknown).await.refused("not_found");
+    let refused = api
+        .post(
+            "/v1/sessions",
+            &json!({"sensors": [{"sensor_id": "r", "sigma_x_m": 1.0, "sigma_y_m": 1.0}]}),
+        )
+        .await;
+    assert_eq!(
+        refused.refused("validation")["errors"][0]["pointer"],
+        "/sensors/0/p_d"
+    );
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn events_are_followed_without_gap_and_waited_for() {
+    let api = Api::start().await;
+    let path = session(&api, &request()).await;
+    let waiting = {
+        let request = api.request(Method::GET, &format!("{path}/history?wait=20"));
+        tokio::spawn(send(request))
+    };
+    tokio::time::sleep(std::time::Duration::from_millis(200)).await;
+    api.post(&format!("{path}/scans"), &scan(0)).await.ok(200);
+    let first = waiting.await.unwrap().ok(200);
+    assert_eq!(first["items"][0]["kind"], "started");
+    for index in 1..6 {
+        api.post(&format!("{path}/scans"), &scan(index))
+            .await
+            .ok(200);
+    }
+    // Nothing is detected any more: both tracks coast, then end.
+    for index in 6..30 {
+        let empty = json!({"sensor_id": "radar", "sequence": index, "time_s": 2.0 * index as f64});
+        api.post(&format!("{path}/scans"), &empty).await.ok(200);
+    }
+    let all = api.get(&format!("{path}/history")).await.ok(200);
+    let kinds: Vec<&str> = all["items"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|event| event["kind"].as_str().unwrap())
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            "started",
+            "started",
+            "confirmed",
+            "confirmed",
+            "coasted",
+            "coasted",
+            "ended",
+            "ended"
+        ]
+    );
+    let mut response = api
+        .request(Method::GET, &format!("{path}/events"))
+        .header("last-event-id", "5")
+        .send()
+        .await
+        .unwrap();
+    assert_eq!(response.headers()["content-type"], "text/event-stream");
+    let mut text = String::new();
+    while !text.contains("id: 8") {
+        text.push_str(std::str::from_utf8(&response.chunk().await.unwrap().unwrap()).unwrap());
+    }
+    let ids: Vec<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("id: "))
+        .collect();
+    assert_eq!(ids, ["6", "7", "8"]);
+    assert!(text.contains("event: ended"));
+    api.post(&format!("{path}/scans"), &scan(30)).await.ok(200);
+    api.delete(&format!("{path}/tracks/3")).await.nothing();
+    api.delete(&format!("{path}/tracks/3"))
+        .await
+        .refused("not_found");
+    let told = api.get(&format!("{path}/history?after=8")).await.ok(200);
+    let last = told["items"].as_array().unwrap().last().unwrap().clone();
+    assert_eq!(
+        (&last["kind"], &last["track_id"]),
+        (&json!("ended"), &json!("3"))
+    );
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_open_session_is_recorded_up_to_now() {
+    let api = Api::start().await;
+    let path = session(&api, &request()).await;
+    let nothing = api.post(&format!("{path}/recording"), &json!({})).await;
+    assert_eq!(nothing.refused("validation")["errors"][0]["code"], "empty");
+    let lines: Vec<String> = (0..5).map(|index| scan(index).to_string()).collect();
+    push_lines(&api, &path, lines.join("\n")).await.ok(200);
+    let first = api
+        .post(&format!("{path}/recording"), &json!({}))
+        .await
+        .ok(201);
+    let same = api
+        .post(&format!("{path}/recording"), &json!({}))
+        .await
+        .ok(200);
+    assert_eq!(first["id"], same["id"]);
+    api.post(&format!("{path}/scans"), &scan(5)).await.ok(200);
+    let more = api
+        .post(&format!("{path}/recording"), &json!({}))
+        .await
+        .ok(201);
+    assert_eq!(
+        (&first["summary"]["scans"], &more["summary"]["scans"]),
+        (&json!(5), &json!(6))
+    );
+    let listed = api.get("/v1/sessions?count=true").await.ok(200);
+    assert_eq!(
+        (&listed["total"], &listed["items"][0]["name"]),
+        (&json!(1), &json!("harbour"))
+    );
+}
