@@ -35,6 +35,8 @@ RUNS = "2"
 # JSON blocks that are no job files, by how they begin: the kind and body of which they are a part, or why they are not sent.
 DETECTIONS = {"source": "dataset", "dataset_id": "DETECTIONS"}
 TRUTH = {"source": "dataset", "dataset_id": "TRUTH"}
+LIVE_SESSION = '{\n  "name": "harbour"'
+PUSHED_SCAN = '{"sensor_id": "radar", "sequence"'
 PARTS = {
     '"tfa":': lambda part: ("evaluate", {"input": DETECTIONS, "truth": TRUTH, "sensors": SENSORS, **json.loads("{" + part + "}")}),
     '{"source": "file", "path": "levels.npy"': "a source; tests/domain/bearing_time.rs reads such a file",
@@ -198,10 +200,22 @@ class Session:
             text = text.replace(f'"{name}"', f'"{value}"')
         return text
 
+    def begin(self, body):
+        """A live session, for what is pushed afterwards."""
+        self.live = self.post("/v1/sessions", body)["id"]
+
+    def push(self, scan):
+        answer = self.post(f"/v1/sessions/{self.live}/scans", scan)
+        check(answer["scans"][0]["fate"] in ("taken", "waiting"), f"{answer}")
+
     def example(self, path, body):
         """An example of the API document, with ids of things that exist."""
         self.name_sources(body)
-        if path == "/v1/validate":
+        if path == "/v1/sessions":
+            self.begin(body)
+        elif path == "/v1/sessions/{id}/scans":
+            self.push(body)
+        elif path == "/v1/validate":
             answer = self.post(path, body)
             check(answer["valid"], f"{answer['errors']}")
         elif path.startswith("/v1/jobs/") and "{" not in path:
@@ -282,6 +296,10 @@ def main(program, address, openapi, *names):
             part = next((part for start, part in PARTS.items() if block.startswith(start)), None)
             if isinstance(part, str):
                 print(f"skipped  {name}  ({part})")
+            elif block.startswith(LIVE_SESSION):
+                tried(name, failures, lambda: session.begin(json.loads(block)))
+            elif block.startswith(PUSHED_SCAN):
+                tried(name, failures, lambda: session.push(json.loads(block)))
             elif part:
                 tried(name, failures, lambda: session.part(block, part))
             else:
