@@ -12,17 +12,21 @@
 //! 1. T-GOSPAᵖ = min Σ dᵖ + cᵖ/2 (missed + false) + γᵖ switches, over all ways to assign tracks to truths at every step.
 //!    A change from one track to another is one switch, a loss or a find one half.
 //! 2. [`problem`] cuts it into clusters that do not touch; [`exact`] solves each by dynamic programming; what is too
-//!    entangled for that, [`linear_programme`] bounds from below and [`feasible`] from above. The report says which was used, both
+//!    entangled for that, [`linear_programme`] bounds from below. Its prices say which pairs surely cost too much, and [`reduced`]
+//!    solves what is left. Where that fails an assignment ([`feasible`]) bounds from above. The report says which was used, both
 //!    bounds, and their difference as the gap, which is 0 for an exact value.
 //! 3. Several sequences add up their p-th powers. `t_gospa_per_step` is (T-GOSPAᵖ / n)^(1/p), n steps at which a target is due.
 
 mod exact;
 mod feasible;
 mod linear_programme;
+mod primal_dual;
 mod problem;
+mod reduced;
 mod trace;
 
-use self::problem::{Solution, Tally, clusters};
+use self::problem::{Cluster, Solution, Tally, clusters};
+use self::reduced::Reduced;
 use super::cutoff::{CUTOFF_M, Cutoff, ORDER};
 use super::origin::{
     DUE_STEPS, Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
@@ -76,8 +80,9 @@ struct Total {
     whole: usize,
     bounded: usize,
     is_unsolved: bool,
-    /// How much more than the bounds from below assignments cost that are some, as a share of cᵖ.
+    /// How much more than the solutions assignments cost that are some, and how much less bounds do, as a share of cᵖ.
     slack: f64,
+    excess: f64,
 }
 
 impl Metric for TGospa {
@@ -177,22 +182,33 @@ impl TGospa {
             if let Some(solution) = exact::solve(&cluster, self.penalty(), watch) {
                 total.solution.add(solution);
                 total.exact += 1;
-                continue;
+            } else {
+                self.add_entangled(&cluster, total, watch);
             }
-            match linear_programme::solve(&cluster.steps, self.penalty(), watch) {
-                Some(bound) => {
-                    if !bound.is_exact {
-                        let above = feasible::solve(&cluster, self.penalty()).cost(self.penalty());
-                        total.slack += (above - bound.solution.tally.cost(self.penalty())).max(0.0);
-                    }
-                    total.solution.add(bound.solution);
-                    *if bound.is_exact {
-                        &mut total.whole
-                    } else {
-                        &mut total.bounded
-                    } += 1;
-                }
-                None => total.is_unsolved = true,
+        }
+    }
+
+    fn add_entangled(&self, cluster: &Cluster, total: &mut Total, watch: &Watch) {
+        let Some(bound) = linear_programme::solve(cluster, self.penalty(), watch) else {
+            total.is_unsolved = true;
+            return;
+        };
+        if bound.is_exact {
+            total.solution.add(bound.solution);
+            total.whole += 1;
+            return;
+        }
+        match reduced::solve(cluster, &bound, self.penalty(), watch) {
+            Reduced::Exact(solution) => {
+                total.solution.add(solution);
+                total.whole += 1;
+            }
+            Reduced::AtMost(most) => {
+                let cost = bound.solution.tally.cost(self.penalty());
+                total.slack += (most - cost).max(0.0);
+                total.excess += (cost - bound.least).max(0.0);
+                total.solution.add(bound.solution);
+                total.bounded += 1;
             }
         }
     }
@@ -243,7 +259,10 @@ impl TGospa {
                 if has_value { NOTHING_DUE } else { reason },
             ),
         ];
-        let (lower, upper) = (cutoff.metres(sum), cutoff.metres(sum + total.slack));
+        let (lower, upper) = (
+            cutoff.metres((sum - total.excess).max(0.0)),
+            cutoff.metres(sum + total.slack),
+        );
         quantities.extend([
             some("t_gospa_lower", lower, "m"),
             some("t_gospa_upper", upper, "m"),
