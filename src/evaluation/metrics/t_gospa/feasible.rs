@@ -10,27 +10,27 @@
 //!    already, γ/2 less if taking it is a switch.
 //! 2. For windows of several lengths; the assignment that costs least counts.
 
-use super::problem::{Cluster, Tally};
+use super::problem::{Cluster, Solution, Tally};
 use crate::math::assignment::AssignmentSolver;
 use std::collections::BTreeMap;
 
 /// Steps that a decision looks ahead, its own among them.
 const WINDOWS: [usize; 7] = [1, 2, 3, 5, 8, 16, 64];
 
-/// The least that any of the assignments costs.
-pub fn solve(cluster: &Cluster, penalty: f64) -> Tally {
-    let tallies = WINDOWS
+/// The assignment that costs least.
+pub fn solve(cluster: &Cluster, penalty: f64) -> Solution {
+    let solutions = WINDOWS
         .iter()
         .map(|&window| Walk::new(cluster, penalty).go(window));
-    let cheaper = |best: Tally, next: Tally| {
-        if next.cost(penalty) < best.cost(penalty) {
+    let cheaper = |best: Solution, next: Solution| {
+        if next.tally.cost(penalty) < best.tally.cost(penalty) {
             next
         } else {
             best
         }
     };
     // To assign nobody is an assignment, too.
-    tallies.fold(Tally::default(), cheaper)
+    solutions.fold(Solution::default(), cheaper)
 }
 
 struct Walk<'a> {
@@ -43,7 +43,7 @@ struct Walk<'a> {
     /// Of pairs near in the window: what they gain in it, and at how many of its steps.
     ahead: BTreeMap<(usize, usize), (f64, usize)>,
     solver: AssignmentSolver,
-    tally: Tally,
+    solution: Solution,
 }
 
 impl<'a> Walk<'a> {
@@ -56,22 +56,23 @@ impl<'a> Walk<'a> {
             is_fresh_track: vec![true; cluster.tracks],
             ahead: BTreeMap::new(),
             solver: AssignmentSolver::default(),
-            tally: Tally::default(),
+            solution: Solution::default(),
         }
     }
 
-    fn go(mut self, window: usize) -> Tally {
+    fn go(mut self, window: usize) -> Solution {
         let steps = &self.cluster.steps;
         (0..window.min(steps.len())).for_each(|step| self.look_at(step));
         for step in 0..steps.len() {
-            self.assign();
+            self.assign(step);
             for near in &steps[step] {
                 if self.track_of[near.truth] == Some(near.track) {
-                    self.tally += Tally {
+                    self.solution.tally += Tally {
                         gain: near.gain,
                         matched: 1.0,
                         switches: 0.0,
                     };
+                    self.solution.shares.push((near.pair, 1.0));
                 }
             }
             self.forget(step);
@@ -79,7 +80,7 @@ impl<'a> Walk<'a> {
                 self.look_at(step + window);
             }
         }
-        self.tally
+        self.solution
     }
 
     fn look_at(&mut self, step: usize) {
@@ -102,7 +103,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Step 1.
-    fn assign(&mut self) {
+    fn assign(&mut self, step: usize) {
         let mut rows: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.cluster.truths];
         for (&(truth, track), &(gain, _)) in &self.ahead {
             rows[truth].push((track, gain + self.bonus(truth, track)));
@@ -125,7 +126,7 @@ impl<'a> Walk<'a> {
         let chosen: Vec<Option<usize>> = (0..rows.len())
             .map(|truth| self.solver.column_of(truth).map(|track| track as usize))
             .collect();
-        self.take(&chosen);
+        self.take(step, &chosen);
     }
 
     fn bonus(&self, truth: usize, track: usize) -> f64 {
@@ -137,7 +138,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Counts half a switch for each pair that is let go, and for each that is taken by a member that is not fresh.
-    fn take(&mut self, chosen: &[Option<usize>]) {
+    fn take(&mut self, step: usize, chosen: &[Option<usize>]) {
         let mut halves = 0;
         for (truth, &track) in chosen.iter().enumerate() {
             let before = self.track_of[truth];
@@ -149,7 +150,12 @@ impl<'a> Walk<'a> {
                 usize::from(!(self.is_fresh_truth[truth] && self.is_fresh_track[track]))
             });
         }
-        self.tally.switches += 0.5 * halves as f64;
+        let switches = 0.5 * halves as f64;
+        self.solution.tally.switches += switches;
+        let first = self.cluster.steps[step].first();
+        if let Some(pair) = first.filter(|_| halves > 0) {
+            self.solution.switches.push((pair.pair, switches));
+        }
         for (truth, &track) in chosen.iter().enumerate() {
             self.track_of[truth] = track;
             if let Some(track) = track {
@@ -190,7 +196,8 @@ mod tests {
                 steps,
             },
             0.2,
-        );
+        )
+        .tally;
         assert!(
             (tally.gain - 4.8).abs() < 1e-12 && tally.switches == 1.0,
             "{tally:?}"
@@ -223,7 +230,7 @@ mod tests {
                 .unwrap()
                 .tally
                 .cost(penalty);
-            let above = solve(&cluster, penalty).cost(penalty);
+            let above = solve(&cluster, penalty).tally.cost(penalty);
             assert!(above >= exact - 1e-9, "case {case}: {above} below {exact}");
             equal += usize::from((above - exact).abs() < 1e-9);
         }

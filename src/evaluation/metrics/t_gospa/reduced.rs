@@ -9,7 +9,7 @@
 //!    found by dynamic programming over two states, from the front and from the back.
 //! 2. Leave out what costs more than a margin above the bound, and solve what is left by [`exact`](super::exact). A solution within the
 //!    margin is the best of all, for none that is better was left out. Else its own cost, or a margin ten times as wide, is the next margin.
-//! 3. Where that is still entangled, what [`feasible`](super::feasible) assigns of it bounds the best from above.
+//! 3. Where that is still entangled, what [`feasible`](super::feasible) assigns of it is as good, or bounds the best from above.
 //!
 //! # Reference
 //! G. L. Nemhauser, L. A. Wolsey, Integer and Combinatorial Optimization, Wiley, 1988, section II.5.2: variables fixed by reduced costs.
@@ -24,6 +24,8 @@ use std::collections::BTreeMap;
 /// Margins that are tried, and the least, as a share of cᵖ beside the gap of the programme.
 const MARGINS: usize = 6;
 const LEAST_MARGIN: f64 = 1e-9;
+/// Bounds so near each other are one, as a share of the cost.
+const MEETING: f64 = 1e-6;
 
 pub enum Reduced {
     Exact(Solution),
@@ -33,7 +35,7 @@ pub enum Reduced {
 
 pub fn solve(cluster: &Cluster, bound: &Bound, penalty: f64, watch: &Watch) -> Reduced {
     if bound.prices.is_empty() {
-        return Reduced::AtMost(feasible::solve(cluster, penalty).cost(penalty));
+        return Reduced::AtMost(feasible::solve(cluster, penalty).tally.cost(penalty));
     }
     let (least, excesses) = excesses(cluster, &bound.prices, penalty);
     let tight = LEAST_MARGIN * (1.0 + least.abs());
@@ -41,15 +43,18 @@ pub fn solve(cluster: &Cluster, bound: &Bound, penalty: f64, watch: &Watch) -> R
     let mut most = f64::INFINITY;
     for _ in 0..MARGINS {
         let left = within(cluster, &excesses, margin);
-        let Some(solution) = exact::solve(&left, penalty, watch) else {
-            most = most.min(feasible::solve(&left, penalty).cost(penalty));
-            break;
-        };
+        let searched = exact::solve(&left, penalty, watch);
+        let is_searched = searched.is_some();
+        let solution = searched.unwrap_or_else(|| feasible::solve(&left, penalty));
         let cost = solution.tally.cost(penalty);
-        if cost <= least + margin {
+        // What was not searched is the best only where the bounds meet.
+        if cost <= least + margin && (is_searched || margin <= MEETING * (1.0 + least.abs())) {
             return Reduced::Exact(solution);
         }
         most = most.min(cost);
+        if !is_searched {
+            break;
+        }
         margin = (10.0 * margin).max(1e-3).min(most - least + tight);
     }
     Reduced::AtMost(most)
