@@ -43,6 +43,7 @@ const HIGHER: &[&str] = &[
 const LOWER: &[&str] = &[
     "across_rmse",
     "along_rmse",
+    "bearing_95",
     "bearing_rmse",
     "breaks",
     "cardinality",

@@ -12,7 +12,9 @@ use std::collections::BTreeSet;
 use trackloom_domain::experiment::Outcome;
 
 /// Numbers that count or average no rows: quantiles, how the programme went, what a whole run is.
-const WITHOUT_ORIGIN: [&str; 16] = [
+const WITHOUT_ORIGIN: [&str; 18] = [
+    "nees_bearing_lower",
+    "nees_bearing_upper",
     "nees_position_lower",
     "nees_position_upper",
     "nees_state_lower",

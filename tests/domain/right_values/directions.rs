@@ -14,10 +14,10 @@ fn directions_are_matched_within_their_gate_the_shorter_way_round() {
         (0..60).map(|step| format!("{},A,{}", 10 * step, bearing_deg(step, 0.0))),
     );
     let tracks = table(
-        "time_s,track_id,bearing_deg",
+        "time_s,track_id,bearing_deg,bearing_rate_degps,p_bb,p_bbr,p_brbr",
         (0..60).map(|step| {
             let by_deg = if (30..40).contains(&step) { 7.0 } else { 0.5 };
-            format!("{},1,{}", 10 * step, bearing_deg(step, by_deg))
+            format!("{},1,{},0,0.16,0,1", 10 * step, bearing_deg(step, by_deg))
         }),
     );
     let mut texts = Texts::of("csv");
@@ -48,7 +48,7 @@ fn directions_are_matched_within_their_gate_the_shorter_way_round() {
         assert_eq!(unit, "deg", "{metric}");
     }
     // Half a degree clockwise, also where one side is at 359.9 and the other at 0.4.
-    for quantity_name in ["bearing_rmse", "bearing_bias"] {
+    for quantity_name in ["bearing_rmse", "bearing_bias", "bearing_95"] {
         let found_deg = quantity(&outcome, "kinematics", quantity_name);
         assert!(
             (found_deg - 0.5).abs() < 1e-9,
@@ -56,6 +56,16 @@ fn directions_are_matched_within_their_gate_the_shorter_way_round() {
         );
     }
     assert_eq!(quantity(&outcome, "kinematics", "matches"), 50.0);
+    // 0.5² / 0.16 at each; of 50 samples the mean is due between χ²(50, 0.025) / 50 and χ²(50, 0.975) / 50.
+    for (name, expected) in [
+        ("nees_bearing", 1.5625),
+        ("nees_bearing_lower", 32.357_363_7 / 50.0),
+        ("nees_bearing_upper", 71.420_195_2 / 50.0),
+        ("nees_bearing_samples", 50.0),
+    ] {
+        let found = quantity(&outcome, "kinematics", name);
+        assert!((found - expected).abs() < 1e-8, "{name} {found}");
+    }
     let whole_deg = ((50.0f64 * 0.25 + 10.0 * 9.0) / 60.0).sqrt();
     let found_deg = quantity(&outcome, "ospa2", "ospa2_whole");
     assert!((found_deg - whole_deg).abs() < 1e-9, "{found_deg}");

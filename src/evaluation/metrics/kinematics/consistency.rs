@@ -174,7 +174,7 @@ pub fn families() -> impl Iterator<Item = (&'static str, fn(&Sample) -> Option<f
     FAMILIES.iter().map(|family| (family.mean, family.of))
 }
 
-const NO_COVARIANCE: &str = "no matched track has a covariance that can be inverted";
+pub const NO_COVARIANCE: &str = "no matched track has a covariance that can be inverted";
 
 /// The bounds, each computed once.
 pub struct Consistency {

@@ -87,7 +87,7 @@ impl Metric for Kinematics {
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let space = sequences.first().and_then(|first| first.comparison.space);
         if space == Some(Space::Bearing) {
-            return directions::evaluate(sequences);
+            return directions::evaluate(sequences, self.confidence);
         }
         let has_heights = sequences.iter().any(has_heights);
         let axes = if has_heights { 3 } else { 2 };
@@ -279,7 +279,12 @@ fn errors(samples: &[&Sample], has_heights: bool) -> Vec<Quantity> {
     let y: Vec<f64> = samples.iter().map(|sample| sample.error_m.y).collect();
     let mut quantities = vec![
         root_mean("position_rmse", &position_squares(samples), "m", NO_MATCH),
-        Quantity::or("position_95", percentile_95(samples), "m", NO_MATCH),
+        Quantity::or(
+            "position_95",
+            nearest_rank_95(position_errors(samples)),
+            "m",
+            NO_MATCH,
+        ),
         root_mean("velocity_rmse", &velocity, "m/s", NO_VELOCITY),
         root_mean("along_rmse", &squares(&along), "m", NO_COURSE),
         root_mean("across_rmse", &squares(&across), "m", NO_COURSE),
@@ -323,11 +328,14 @@ fn root_mean(
 }
 
 /// The nearest rank: the smallest error that at least 95 % do not exceed.
-fn percentile_95(samples: &[&Sample]) -> Option<f64> {
-    let mut errors_m: Vec<f64> = samples.iter().map(|sample| sample.error_m.norm()).collect();
-    let rank = (errors_m.len() * 95).div_ceil(100).checked_sub(1)?;
-    let (_, error_m, _) = errors_m.select_nth_unstable_by(rank, f64::total_cmp);
-    Some(*error_m)
+fn nearest_rank_95(mut errors: Vec<f64>) -> Option<f64> {
+    let rank = (errors.len() * 95).div_ceil(100).checked_sub(1)?;
+    let (_, error, _) = errors.select_nth_unstable_by(rank, f64::total_cmp);
+    Some(*error)
+}
+
+fn position_errors(samples: &[&Sample]) -> Vec<f64> {
+    samples.iter().map(|sample| sample.error_m.norm()).collect()
 }
 
 fn truth_lines(
