@@ -11,6 +11,7 @@
 //! So a target that crosses the edge costs nothing on either side of it, and a false track outside costs nothing.
 
 use super::paths::{Alignment, Paths, Reach};
+use crate::model::sight::{Limits, Spot};
 use crate::model::space::{Place, Space};
 use crate::model::state::Position;
 use crate::model::track::{TrackPoint, TrackSet};
@@ -28,6 +29,8 @@ pub enum Area {
         range_m: (f64, f64),
         bearings_rad: Option<(f64, f64)>,
     },
+    /// What a sensor sees from its place.
+    Coverage { from: Position, limits: Limits },
 }
 
 /// What is judged.
@@ -66,6 +69,7 @@ impl Area {
                 let is_at_range = (*from_m..=*to_m).contains(&away.norm());
                 is_at_range && bearings_rad.is_none_or(|bearings| is_between(away, bearings))
             }
+            Area::Coverage { from, limits } => limits.hold(&Spot::of_place(place, from)),
         }
     }
 }

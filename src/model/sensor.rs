@@ -3,7 +3,7 @@
 use super::scan::Scan;
 use super::sensing::MeasurementModel;
 use super::sight::clutter::ClutterSettings;
-use super::sight::{SectorSettings, Sight, ViewSettings};
+use super::sight::{Limits, SectorSettings, Sight, ViewSettings};
 use serde::{Deserialize, Serialize};
 
 /// What is known of a sensor; what is absent comes from the data or from the request that uses it.
@@ -150,6 +150,15 @@ pub enum BearingReference {
 }
 
 impl SensorSettings {
+    /// Where it sees at all: within its field of view, else within its range; `None` where it says neither.
+    pub fn limits(&self) -> Option<Limits> {
+        let of_range = self.max_range_m.map(|range_to_m| ViewSettings {
+            range_to_m: Some(range_to_m),
+            ..ViewSettings::default()
+        });
+        self.field_of_view.or(of_range).map(|view| view.limits())
+    }
+
     pub fn named(sensor_id: impl Into<String>) -> Self {
         SensorSettings {
             sensor_id: sensor_id.into(),

@@ -5,7 +5,8 @@ use crate::evaluation::comparison::Comparison;
 use crate::evaluation::credit::Credit;
 use crate::evaluation::spaces;
 use crate::model::scan::{Recording, Scan};
-use crate::model::sight::{Limits, Spot, ViewSettings};
+use crate::model::sensor::SensorSettings;
+use crate::model::sight::{Limits, Spot};
 use crate::model::space::Place;
 use crate::model::state::Position;
 use std::ops::Range;
@@ -82,19 +83,10 @@ impl<'a> Around<'a> {
         let steps = comparison.steps.len();
         let scans = recording.map(|recording| scans_of_steps(recording, &due, steps));
         let sensors = recording.map_or(&[][..], |recording| &recording.sensors);
-        let views = sensors.iter().map(|sensor| {
-            let to_m = sensor.max_range_m;
-            let of_range = to_m.map(|range_to_m| ViewSettings {
-                range_to_m: Some(range_to_m),
-                ..ViewSettings::default()
-            });
-            let view = sensor.field_of_view.or(of_range);
-            view.map(|view| view.limits())
-        });
         let mut around = Around {
             comparison,
             recording,
-            views: views.collect(),
+            views: sensors.iter().map(SensorSettings::limits).collect(),
             scans: scans.unwrap_or_default(),
             detections: Crowd::default(),
             due,

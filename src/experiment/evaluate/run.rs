@@ -5,8 +5,9 @@ use super::automaton;
 use super::compare::{Content, OF_BEARINGS, Subject};
 use super::metrics::{Judgement, compute_metrics};
 use super::profiles::accepts_bearings;
-use super::requirements::{Held, RequirementsSpec, hold};
+use super::requirements::{Held, HeldSubject, RequirementsSpec, hold};
 use super::spec::Profile;
+use super::within::Seen;
 use crate::evaluation::metrics::BuildMetric;
 use crate::evaluation::scope::LeftOut;
 use crate::evaluation::{EvaluationInput, TfaSettings};
@@ -88,6 +89,11 @@ pub fn run(
     })
 }
 
+fn seen(data: &JobData) -> Option<Seen<'_>> {
+    let recording = data.recording.as_ref();
+    recording.map(|recording| (recording, &data.sensors[..]))
+}
+
 impl EvaluateJob {
     fn track(
         &self,
@@ -132,9 +138,9 @@ impl EvaluateJob {
             data.warn(judgement.warnings);
         }
         if let Some(requirements) = &self.spec.requirements {
-            let held = self.hold_requirements(requirements, data, tracks, observer)?;
+            let held = self.hold_requirements(requirements, data, tracks, settings, observer)?;
             result.insert("requirements".to_owned(), to_value(&held.report)?);
-            files.extend(settings.wants_files.then_some(held.file));
+            files.extend(held.file);
             checks = held.checks;
         }
         if let Some(smoothed) = tracked.and_then(|tracked| tracked.smoothed.as_ref()) {
@@ -167,6 +173,7 @@ impl EvaluateJob {
         requirements: &RequirementsSpec,
         data: &JobData,
         tracked: Option<&TrackSet>,
+        settings: RunSettings,
         observer: &mut dyn Observer,
     ) -> Result<Held, RunError> {
         let comparison = &self.spec.comparison;
@@ -174,7 +181,19 @@ impl EvaluateJob {
         let truth = data.truth.as_ref();
         let truth = truth.ok_or_else(|| missing("/truth", "truth"))?;
         let gate_and_credit = (comparison.gate_m, comparison.credit());
-        hold(requirements, gate_and_credit, (truth, tracks), observer)
+        let subject = HeldSubject {
+            truth,
+            tracks,
+            recording: seen(data),
+        };
+        let wants_files = settings.wants_files;
+        hold(
+            requirements,
+            gate_and_credit,
+            &subject,
+            wants_files,
+            observer,
+        )
     }
 
     /// Puts what is due of the `whole` truth into the data; gives the tracks that are judged beside it. `None` where all is judged.
@@ -189,7 +208,7 @@ impl EvaluateJob {
             return Ok(None);
         };
         let gate_and_paths = (comparison.gate_m, comparison.alignment.rule);
-        let scope = within.scope(whole)?;
+        let scope = within.scope(whole, seen(data))?;
         let (due, kept, left_out) =
             scope.restrict(whole, tracks_of(data, tracked)?, gate_and_paths);
         if due.targets().is_empty() {

@@ -3,6 +3,8 @@
 use crate::evaluation::scope::{Area, Scope};
 use crate::geodesy::Stereographic;
 use crate::model::fault::Fault;
+use crate::model::scan::Recording;
+use crate::model::sensor::SensorSettings;
 use crate::model::state::Position;
 use crate::model::truth::TruthSet;
 use crate::registry::{
@@ -74,6 +76,16 @@ static SECTOR: Object = Object {
     ],
 };
 
+static COVERAGE: Object = Object {
+    name: "CoverageArea",
+    summary: "Where a sensor of the recording sees: its 'field_of_view', else its 'max_range_m', around where it stands.",
+    fields: &[required(
+        "sensor_id",
+        "The sensor.",
+        Kind::Text { max_length: 200 },
+    )],
+};
+
 /// A place in the plane or on the Earth.
 pub static AREA: Union = Union {
     name: "Area",
@@ -84,6 +96,7 @@ pub static AREA: Union = Union {
             variant("polygon", &POLYGON),
             variant("polygon_deg", &POLYGON_DEG),
             variant("sector", &SECTOR),
+            variant("coverage", &COVERAGE),
         ]
     },
 };
@@ -145,7 +158,13 @@ pub enum AreaSpec {
         from_deg: Option<f64>,
         to_deg: Option<f64>,
     },
+    Coverage {
+        sensor_id: String,
+    },
 }
+
+/// A recording, and what is known of each of its sensors.
+pub type Seen<'d> = (&'d Recording, &'d [SensorSettings]);
 
 /// As the request has it.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -180,13 +199,18 @@ impl WithinSpec {
         faults
     }
 
-    /// In the plane of the truth.
+    /// In the plane of the truth, with the sensors of the recording.
     ///
     /// # Errors
-    /// Latitudes where the plane has no origin, and names that no target has.
-    pub fn scope(&self, truth: &TruthSet) -> Result<Scope, Vec<Fault>> {
+    /// Latitudes where the plane has no origin, names that no target has, and sensors without a coverage.
+    pub fn scope(&self, truth: &TruthSet, recording: Option<Seen>) -> Result<Scope, Vec<Fault>> {
         let mut faults = self.unknown_targets(truth);
-        let areas = AreaSpec::in_plane(&self.areas, truth, "/comparison/within/areas", &mut faults);
+        let areas = AreaSpec::in_plane(
+            &self.areas,
+            (truth, recording),
+            "/comparison/within/areas",
+            &mut faults,
+        );
         if !faults.is_empty() {
             return Err(faults);
         }
@@ -254,28 +278,25 @@ impl AreaSpec {
     /// Areas in the plane of the truth; a fault for each that has none there.
     pub fn in_plane(
         areas: &[AreaSpec],
-        truth: &TruthSet,
+        data: (&TruthSet, Option<Seen>),
         place: &str,
         faults: &mut Vec<Fault>,
     ) -> Vec<Area> {
         let mut found = Vec::new();
         for (index, area) in areas.iter().enumerate() {
-            match area.in_plane_of(truth) {
-                Some(area) => found.push(area),
-                None => {
-                    let detail = "the truth has no latitudes and longitudes, so nobody knows where these corners are in its plane";
-                    let pointer = format!("{place}/{index}");
-                    faults.push(
-                        Fault::new(pointer, "unsupported", detail).allowing("polygon, sector"),
-                    );
+            match area.in_plane_of(data) {
+                Ok(area) => found.push(area),
+                Err(mut fault) => {
+                    fault.pointer = format!("{place}/{index}{}", fault.pointer);
+                    faults.push(fault);
                 }
             }
         }
         found
     }
 
-    fn in_plane_of(&self, truth: &TruthSet) -> Option<Area> {
-        Some(match self {
+    fn in_plane_of(&self, (truth, recording): (&TruthSet, Option<Seen>)) -> Result<Area, Fault> {
+        Ok(match self {
             AreaSpec::Polygon { corners } => Area::Polygon(
                 corners
                     .iter()
@@ -283,7 +304,7 @@ impl AreaSpec {
                     .collect(),
             ),
             AreaSpec::PolygonDeg { corners } => {
-                let frame = truth.frame.as_ref()?;
+                let frame = truth.frame.as_ref().ok_or_else(without_latitudes)?;
                 let plane = Stereographic::about(frame.latitude_deg(), frame.longitude_deg());
                 let project = |corner: &CornerDeg| plane.project(corner.lat_deg, corner.lon_deg);
                 Area::Polygon(corners.iter().map(project).collect())
@@ -302,6 +323,49 @@ impl AreaSpec {
                     .zip(*to_deg)
                     .map(|(from, to)| (from.to_radians(), to.to_radians())),
             },
+            AreaSpec::Coverage { sensor_id } => coverage(sensor_id, recording)?,
         })
     }
+}
+
+fn without_latitudes() -> Fault {
+    let detail = "the truth has no latitudes and longitudes, so nobody knows where these corners are in its plane";
+    Fault::new("", "unsupported", detail).allowing("polygon, sector")
+}
+
+fn coverage(sensor_id: &str, recording: Option<Seen>) -> Result<Area, Fault> {
+    let Some((recording, sensors)) = recording else {
+        let detail = "without a recording there are no sensors";
+        return Err(Fault::new("", "missing", detail).allowing("polygon, sector, or detections"));
+    };
+    let Some(index) = sensors
+        .iter()
+        .position(|sensor| sensor.sensor_id == sensor_id)
+    else {
+        let names: Vec<&str> = sensors
+            .iter()
+            .map(|sensor| sensor.sensor_id.as_str())
+            .collect();
+        let detail = format!("the recording has no sensor '{sensor_id}'");
+        let fault = Fault::new("/sensor_id", "unknown_value", detail);
+        return Err(fault.allowing(names.join(", ")));
+    };
+    let mut scans = recording.scans.iter().filter(|scan| scan.sensor == index);
+    if scans.any(|scan| scan.pose.is_some()) {
+        let detail = format!("the sensor '{sensor_id}' moves, and what it covers with it");
+        return Err(
+            Fault::new("/sensor_id", "unsupported", detail).allowing("a sensor that stands")
+        );
+    }
+    let sensor = &sensors[index];
+    let Some(limits) = sensor.limits() else {
+        let detail = format!("the sensor '{sensor_id}' does not say where it sees");
+        let fault = Fault::new("/sensor_id", "unsupported", detail);
+        return Err(fault.allowing("a sensor with 'field_of_view' or 'max_range_m'"));
+    };
+    let [x_m, y_m] = [sensor.x_m, sensor.y_m].map(Option::unwrap_or_default);
+    Ok(Area::Coverage {
+        from: Position::new(x_m, y_m),
+        limits,
+    })
 }

@@ -84,6 +84,55 @@ fn what_lies_outside_is_left_out_and_what_is_false_inside_counts() {
     );
 }
 
+/// A stands at (0, 300), B at (0, 900), each with a track; a third track is at (200, 300), a fourth at (0, -300).
+fn seen_by(sensor: &Value, sensor_id: &str) -> Result<Outcome, Vec<Fault>> {
+    let rows = |id: &str, x_m: i32, y_m: i32| -> Vec<String> {
+        (0..10)
+            .map(|time| format!("{time},{id},{x_m},{y_m}"))
+            .collect()
+    };
+    let detections = (0..10).map(|time| format!("{time},{time},r,d{time},0,300"));
+    let truth = [rows("A", 0, 300), rows("B", 0, 900)].concat();
+    let tracks = [
+        rows("a", 0, 300),
+        rows("b", 0, 900),
+        rows("c", 200, 300),
+        rows("d", 0, -300),
+    ]
+    .concat();
+    let mut texts = Texts::of("csv");
+    let coverage = json!({"areas": [{"kind": "coverage", "sensor_id": sensor_id}]});
+    let body = json!({
+        "truth": texts.dataset(&table("time_s,truth_id,x_m,y_m", truth)),
+        "tracks": texts.dataset(&table("time_s,track_id,x_m,y_m", tracks)),
+        "detections": texts.dataset(&table("time_s,scan,sensor_id,detection_id,x_m,y_m", detections)),
+        "sensors": [sensor], "profile": "vision",
+        "metrics": metrics(&["clear"]), "comparison": {"gate_m": 10.0, "within": coverage}
+    });
+    texts.judge(&body)
+}
+
+#[test]
+fn a_sensor_s_coverage_is_its_field_of_view_or_its_range() {
+    // Within 500 m of (0, 100) are A and all tracks but the one on B.
+    let range = json!({"sensor_id": "r", "y_m": 100.0, "max_range_m": 500.0});
+    let outcome = seen_by(&range, "r").unwrap();
+    assert_eq!(counts(&outcome), [10.0, 0.0, 20.0]);
+    // 45 degrees about north from there leave the tracks beside it and behind it out, too: atan(200 / 200) is 45.
+    let view = json!({"sensor_id": "r", "y_m": 100.0, "field_of_view": {"range_to_m": 500.0, "bearing_from_deg": -44.0, "bearing_to_deg": 44.0}});
+    let outcome = seen_by(&view, "r").unwrap();
+    assert_eq!(counts(&outcome), [10.0, 0.0, 0.0]);
+    let told = |sensor: Value, sensor_id: &str| {
+        let fault = seen_by(&sensor, sensor_id).unwrap_err().remove(0);
+        (fault.pointer, fault.code)
+    };
+    let pointer = "/comparison/within/areas/0/sensor_id";
+    for (sensor_id, code) in [("r", "unsupported"), ("q", "unknown_value")] {
+        let expected = (pointer.to_owned(), code.into());
+        assert_eq!(told(json!({"sensor_id": "r"}), sensor_id), expected);
+    }
+}
+
 #[test]
 fn bounds_that_make_no_sense_are_told_together() {
     let pointers = |found: Result<Outcome, Vec<Fault>>| -> Vec<(String, String)> {

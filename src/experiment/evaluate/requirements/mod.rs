@@ -7,5 +7,5 @@ mod run;
 mod spec;
 
 pub use fields::FIELD;
-pub use run::{Held, RequirementsReport, hold};
+pub use run::{Held, HeldSubject, RequirementsReport, hold};
 pub use spec::RequirementsSpec;

@@ -4,6 +4,7 @@ use super::RequirementsSpec;
 use crate::evaluation::credit::Credit;
 use crate::evaluation::surveillance::{Assessment, Finding, PairedUpdates, assess};
 use crate::experiment::evaluate::progress::MetricProgress;
+use crate::experiment::evaluate::within::Seen;
 use crate::experiment::files::tables::{Table, number, optional};
 use crate::experiment::job::{Artifact, RunError};
 use crate::experiment::limits::{HeldAgainst, Limit, LimitCheck};
@@ -48,7 +49,15 @@ pub struct RequirementsReport {
 pub struct Held {
     pub report: RequirementsReport,
     pub checks: Vec<LimitCheck>,
-    pub file: Artifact,
+    /// Where files are wanted.
+    pub file: Option<Artifact>,
+}
+
+/// What is held against requirements.
+pub struct HeldSubject<'d> {
+    pub truth: &'d TruthSet,
+    pub tracks: &'d TrackSet,
+    pub recording: Option<Seen<'d>>,
 }
 
 /// Judges tracks by the requirements of a request; `gate_m` is that of the comparison.
@@ -58,19 +67,21 @@ pub struct Held {
 pub fn hold(
     spec: &RequirementsSpec,
     (gate_m, credit): (f64, Credit),
-    (truth, tracks): (&TruthSet, &TrackSet),
+    subject: &HeldSubject,
+    wants_files: bool,
     observer: &mut dyn Observer,
 ) -> Result<Held, RunError> {
+    let (truth, tracks) = (subject.truth, subject.tracks);
     if !truth.space().has_places() || !tracks.space.has_places() {
         let detail = "directions have no positions to hold against requirements";
         let fault = Fault::new("/requirements", "unsupported", detail);
         return Err(fault.allowing("truth and tracks with places").into());
     }
-    let settings = spec.settings(truth, (gate_m, credit))?;
+    let settings = spec.settings((truth, subject.recording), (gate_m, credit))?;
     let mut progress = MetricProgress::new(observer, 1);
     let assessment = progress.watching(|watch| assess(truth, tracks, &settings, watch))?;
     Ok(Held {
-        file: write(&assessment, truth, tracks),
+        file: wants_files.then(|| write(&assessment, truth, tracks)),
         checks: assessment.findings.iter().filter_map(check_of).collect(),
         report: RequirementsReport {
             gate_m: settings.gate_m,

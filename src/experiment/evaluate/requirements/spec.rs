@@ -3,7 +3,7 @@
 use super::presets::items_of;
 use crate::evaluation::credit::Credit;
 use crate::evaluation::surveillance::{Pairing, Requirement, Sector, Settings};
-use crate::experiment::evaluate::within::AreaSpec;
+use crate::experiment::evaluate::within::{AreaSpec, Seen};
 use crate::model::fault::Fault;
 use crate::model::truth::TruthSet;
 use serde::Deserialize;
@@ -104,13 +104,14 @@ impl RequirementsSpec {
     /// Latitudes where the plane has no origin.
     pub fn settings(
         &self,
-        truth: &TruthSet,
+        (truth, recording): (&TruthSet, Option<Seen>),
         (gate_m, credit): (f64, Credit),
     ) -> Result<Settings, Vec<Fault>> {
         let (mut sectors, mut faults) = (Vec::new(), Vec::new());
         for (index, sector) in self.sectors.iter().enumerate() {
             let pointer = format!("/requirements/sectors/{index}/areas");
-            let areas = AreaSpec::in_plane(&sector.areas, truth, &pointer, &mut faults);
+            let areas =
+                AreaSpec::in_plane(&sector.areas, (truth, recording), &pointer, &mut faults);
             sectors.push(Sector {
                 sector_id: sector.sector_id.clone(),
                 areas,
