@@ -265,6 +265,22 @@ fn slant_ranges_lead_where_the_references_say() {
     }
 }
 
+/// At both ends of the Earth, near and far, low and high: the place has the range to 1e-6 m and the bearing.
+#[test]
+fn slant_ranges_are_those_of_the_place_found() {
+    for lat_deg in [-89.0, -45.0, 0.0, 52.3, 80.0] {
+        let site = geodetic((lat_deg, 179.0, 250.0));
+        for range_m in [12_000.0, 80_000.0, 470_000.0] {
+            for height_m in [-100.0, 0.0, 3_000.0, 11_900.0] {
+                let found = at_slant_range(&site, range_m, 2.0, Some(height_m));
+                let enu_m = site.enu_of(&found);
+                assert_near(enu_m.norm(), range_m, 1e-6);
+                assert_near(enu_m.x.atan2(enu_m.y), 2.0, 1e-9);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_range_shorter_than_the_height_is_right_above() {
     let site = geodetic(RADAR);

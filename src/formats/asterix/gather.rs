@@ -30,6 +30,10 @@ pub struct Gathering<'t> {
     /// Numbers of the names of sources.
     sensors: BTreeMap<Source, u32>,
     units: u64,
+    /// Numbers of identities by what they are named after: source and number of a track, or address.
+    identities: HashMap<u32, u32>,
+    /// Numbers of the texts of values.
+    words: HashMap<(Attribute, u64), u32>,
     /// For names, so that each is not allocated.
     text: String,
 }
@@ -47,6 +51,8 @@ impl<'t> Gathering<'t> {
             latest: HashMap::new(),
             sensors: BTreeMap::new(),
             units: 0,
+            identities: HashMap::new(),
+            words: HashMap::new(),
             text: String::new(),
         }
     }
@@ -207,16 +213,27 @@ impl<'t> Gathering<'t> {
 
     /// Number of the name of what is seen: of a track its source and number, else the address.
     fn identity(&mut self, source: Source, target: &Target) -> Result<Option<u32>, Reason> {
-        self.text.clear();
-        let written = match (self.kind, target.number, target.address) {
+        let key = match (self.kind, target.number, target.address) {
             (DatasetKind::Tracks, Some(number), _) => {
-                write!(self.text, "{}/{}-{number}", source.0, source.1)
+                u32::from_be_bytes([source.0, source.1, 0, 0]) | u32::from(number)
             }
             (DatasetKind::Tracks, None, _) | (_, _, None) => return Ok(None),
-            (_, _, Some(address)) => write!(self.text, "{address:06X}"),
+            (_, _, Some(address)) => address,
+        };
+        if let Some(identity) = self.identities.get(&key) {
+            return Ok(Some(*identity));
+        }
+        self.text.clear();
+        let written = match (self.kind, target.number) {
+            (DatasetKind::Tracks, Some(number)) => {
+                write!(self.text, "{}/{}-{number}", source.0, source.1)
+            }
+            _ => write!(self.text, "{key:06X}"),
         };
         written.map_err(|_| Reason::Malformed)?;
-        Ok(Some(self.feed.identities.number(&self.text)))
+        let identity = self.feed.identities.number(&self.text);
+        self.identities.insert(key, identity);
+        Ok(Some(identity))
     }
 
     /// The last record of a track may say nothing but that it ends.
@@ -257,40 +274,48 @@ impl<'t> Gathering<'t> {
 
     /// What is known of the target, said of its report: a track's number is given to others later.
     fn describe(&mut self, target: &Target) {
-        let mut text = std::mem::take(&mut self.text);
-        let mut say = |attribute: Attribute, value: Option<std::fmt::Arguments>| {
-            text.clear();
-            if let Some(value) = value
-                && text.write_fmt(value).is_ok()
-            {
-                self.feed.describe(attribute, &text);
-            }
-        };
         if let Some(address) = target.address {
-            say(Attribute::Address, Some(format_args!("{address:06X}")));
+            let key = (Attribute::Address, u64::from(address));
+            self.say(key, format_args!("{address:06X}"));
         }
         if let Some(callsign) = target.callsign {
-            say(
-                Attribute::Callsign,
-                Some(format_args!("{}", callsign.as_str())),
-            );
+            let key = (Attribute::Callsign, callsign.code());
+            self.say(key, format_args!("{}", callsign.as_str()));
         }
         if let Some(mode_a) = target.mode_a {
-            say(Attribute::ModeA, Some(format_args!("{mode_a:04o}")));
+            let key = (Attribute::ModeA, u64::from(mode_a));
+            self.say(key, format_args!("{mode_a:04o}"));
         }
         if let Some(mode_c_ft) = target.mode_c_ft {
-            say(Attribute::ModeC, Some(format_args!("{mode_c_ft}")));
+            let key = (Attribute::ModeC, mode_c_ft.to_bits());
+            self.say(key, format_args!("{mode_c_ft}"));
         }
         if let Some(number) = target.number {
-            say(Attribute::TrackNumber, Some(format_args!("{number}")));
+            let key = (Attribute::TrackNumber, u64::from(number));
+            self.say(key, format_args!("{number}"));
         }
         if let Some(on_ground) = target.on_ground {
-            say(Attribute::OnGround, Some(format_args!("{on_ground}")));
+            let key = (Attribute::OnGround, u64::from(on_ground));
+            self.say(key, format_args!("{on_ground}"));
         }
         if let Some(kind) = target.report_kind {
-            say(Attribute::ReportKind, Some(format_args!("{kind}")));
+            self.feed.describe(Attribute::ReportKind, kind);
         }
-        self.text = text;
+    }
+
+    /// Says it of the report pushed last. What a value is in words is written once.
+    fn say(&mut self, key: (Attribute, u64), value: std::fmt::Arguments) {
+        let known = self.words.get(&key).copied();
+        let text = known.or_else(|| {
+            self.text.clear();
+            self.text.write_fmt(value).ok()?;
+            let text = self.feed.number_of(&self.text);
+            self.words.insert(key, text);
+            Some(text)
+        });
+        if let Some(text) = text {
+            self.feed.describe_by_number(key.0, text);
+        }
     }
 }
 

@@ -137,6 +137,11 @@ impl Callsign {
         (length > 0).then_some(Callsign { letters, length })
     }
 
+    /// A number that no other one has.
+    pub fn code(&self) -> u64 {
+        u64::from_be_bytes(self.letters)
+    }
+
     pub fn as_str(&self) -> &str {
         // They are ASCII.
         std::str::from_utf8(&self.letters[..self.length]).unwrap_or_default()

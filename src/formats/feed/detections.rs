@@ -4,7 +4,7 @@ use super::place::Ground;
 use super::scans;
 use super::{Attribute, Feed, Manner, Spot};
 use crate::formats::Reading;
-use crate::model::beside::Beside;
+use crate::model::beside::{Beside, Labels};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::own::{Own, OwnNoise, whole};
@@ -155,22 +155,22 @@ fn fill_scans(
                 origin: report.identity.map(|identity| numbers[identity as usize]),
                 amplitude: None,
             });
-            parts.detection_ids.push(format!("{}", report.unit));
+            parts.detection_ids.push(report.unit.to_string());
             parts.beside.times_s.push(report.time_s);
             parts.beside.heights_m.push(report.height_m);
-            labels.note(&mut parts.beside, feed, index);
+            labels.note(parts.beside.times_s.len(), feed, index);
         }
         scan.own = whole(scan.own);
         parts.scans.push(scan);
     }
-    forget_what_is_nowhere(&mut parts.beside, parts.detection_ids.len());
+    labels.finish(&mut parts.beside);
 }
 
 /// Its time in the scan, how well its place is known, and its velocity, as far as it says them.
 fn own_of(report: &super::Report, scan_s: f64, ground: &Ground) -> Own {
     let is_placed = !matches!(report.spot, super::Spot::Polar { .. });
     let sigma_m = report.sigma_m.filter(|sigma_m| *sigma_m > 0.0 && is_placed);
-    let velocity_mps = ground.velocity(report).filter(|_| is_placed);
+    let velocity_mps = is_placed.then(|| ground.velocity(report)).flatten();
     Own {
         after_s: report.time_s - scan_s,
         noise: OwnNoise {
@@ -200,17 +200,15 @@ fn measure(report: &super::Report, ground: &mut Ground) -> Option<Measurement> {
 /// Numbers the texts of each attribute.
 #[derive(Default)]
 struct LabelMaker {
-    /// By attribute, then by the number of the text in the feed: its number among the attribute's labels.
-    numbers: BTreeMap<Attribute, Vec<Option<u32>>>,
+    /// With them, by the number of a text in the feed: its number among the attribute's labels.
+    of: BTreeMap<Attribute, (Labels, Vec<Option<u32>>)>,
 }
 
 impl LabelMaker {
-    /// Keeps what is said of the detection added last.
-    fn note(&mut self, beside: &mut Beside, feed: &Feed, report: usize) {
-        let detections = beside.times_s.len();
+    /// Keeps what is said of the last of so many detections.
+    fn note(&mut self, detections: usize, feed: &Feed, report: usize) {
         for (attribute, text) in feed.numbers_said_of(report) {
-            let labels = beside.attributes.entry(attribute.name()).or_default();
-            let numbers = self.numbers.entry(attribute).or_default();
+            let (labels, numbers) = self.of.entry(attribute).or_default();
             if numbers.len() <= text as usize {
                 numbers.resize(text as usize + 1, None);
             }
@@ -224,14 +222,15 @@ impl LabelMaker {
             }
         }
     }
-}
 
-/// Lists are as long as there are detections, or empty.
-fn forget_what_is_nowhere(beside: &mut Beside, detections: usize) {
-    if beside.heights_m.iter().all(Option::is_none) {
-        beside.heights_m.clear();
-    }
-    for labels in beside.attributes.values_mut() {
-        labels.of.resize(detections, None);
+    /// Lists are as long as there are detections, or empty.
+    fn finish(self, beside: &mut Beside) {
+        for (attribute, (mut labels, _)) in self.of {
+            labels.of.resize(beside.times_s.len(), None);
+            beside.attributes.insert(attribute.name(), labels);
+        }
+        if beside.heights_m.iter().all(Option::is_none) {
+            beside.heights_m.clear();
+        }
     }
 }

@@ -66,7 +66,7 @@ pub struct Report {
 }
 
 /// What is known of an object, or of one report of it, beside its motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Attribute {
     /// 24 bits, six hexadecimal digits.
     Address,
@@ -190,8 +190,18 @@ impl Feed {
 
     /// Says something of the report pushed last.
     pub fn describe(&mut self, attribute: Attribute, text: &str) {
+        let text = self.texts.number(text);
+        self.describe_by_number(attribute, text);
+    }
+
+    /// The number of a text, for [`Feed::describe_by_number`].
+    pub fn number_of(&mut self, text: &str) -> u32 {
+        self.texts.number(text)
+    }
+
+    /// [`Feed::describe`] with a text that has a number already.
+    pub fn describe_by_number(&mut self, attribute: Attribute, text: u32) {
         if let Some(report) = self.reports.len().checked_sub(1) {
-            let text = self.texts.number(text);
             self.said.push((report as u32, attribute, text));
         }
     }

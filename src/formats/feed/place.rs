@@ -16,6 +16,8 @@ pub(super) struct Ground {
     pub frame: Option<Frame>,
     plane: Option<Stereographic>,
     sites: BTreeMap<u32, Site>,
+    /// The same in the plane.
+    sites_m: BTreeMap<u32, Position>,
     assumed_height_m: Option<f64>,
     /// The longest way from the origin so far (m).
     farthest_m: f64,
@@ -39,10 +41,17 @@ impl Ground {
             None => choose_origin(feed, used, &sites)?,
         };
         let plane = frame.map(Stereographic::from);
+        let mut sites_m = BTreeMap::new();
+        if let Some(plane) = &plane {
+            for (&sensor, site) in &sites {
+                sites_m.insert(sensor, plane.project(site.lat_deg, site.lon_deg));
+            }
+        }
         Ok(Ground {
             frame,
             plane,
             sites,
+            sites_m,
             assumed_height_m: reading.assumed_height_m,
             farthest_m: 0.0,
         })
@@ -54,8 +63,7 @@ impl Ground {
 
     /// Where a sensor stands in the plane.
     pub fn site_m(&self, sensor: u32) -> Option<Position> {
-        let site = self.sites.get(&sensor)?;
-        Some(self.plane.as_ref()?.project(site.lat_deg, site.lon_deg))
+        self.sites_m.get(&sensor).copied()
     }
 
     /// Where a report puts its object, in the plane (m); of a radar whose site nobody knows there is none.
