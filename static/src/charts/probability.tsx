@@ -55,6 +55,12 @@ function rowsOf(series: TrackProbability): Row[] {
   return rows;
 }
 
+/** A probability of existence at which a track becomes something else. */
+export interface Threshold {
+  name: string;
+  existence: number;
+}
+
 type Point = [number, number];
 
 /** For each scan the best detection, "none", and the rest. */
@@ -73,12 +79,39 @@ function split(rows: Row[], origin: number): { best: Point[]; none: Point[]; oth
   return { best, none, others };
 }
 
+interface Drawn {
+  rows: Row[];
+  thresholds: Threshold[];
+}
+
 const SYMBOLS = { best: "circle", none: "emptyDiamond", others: "emptyTriangle" };
 
 const hasExistence = (rows: Row[]): boolean => rows.some((row) => row.existence !== null);
 
+/** Lines across the chart, each with its name. */
+function thresholdLines(thresholds: Threshold[], palette: Palette): object {
+  const label = (existence: number) => ({
+    show: true,
+    position: existence > 0.5 ? "insideStartBottom" : "insideStartTop",
+    color: palette.muted,
+    formatter: "{b}",
+  });
+  return {
+    silent: true,
+    symbol: "none",
+    animation: false,
+    precision: 20,
+    lineStyle: { color: palette.muted, width: 1, type: "dashed" },
+    data: thresholds.map(({ name, existence }) => ({
+      name: `${name} ${probability(existence)}`,
+      yAxis: existence,
+      label: label(existence),
+    })),
+  };
+}
+
 /** The probability that the track has a target; nothing where no row says so. */
-function existenceCurve(rows: Row[], origin: number, palette: Palette): object[] {
+function existenceCurve({ rows, thresholds }: Drawn, origin: number, palette: Palette): object[] {
   if (!hasExistence(rows)) return [];
   return [
     {
@@ -89,11 +122,13 @@ function existenceCurve(rows: Row[], origin: number, palette: Palette): object[]
       data: rows.map((row) => [row.time - origin, row.existence]),
       showSymbol: false,
       lineStyle: { color: palette.text, width: 1.8, type: "dotted" },
+      markLine: thresholdLines(thresholds, palette),
     },
   ];
 }
 
-function curves(rows: Row[], { origin, time }: Clock, palette: Palette): object[] {
+function curves(drawn: Drawn, { origin, time }: Clock, palette: Palette): object[] {
+  const { rows } = drawn;
   const { best, none, others } = split(rows, origin);
   const common = { animation: false, symbolSize: 6 };
   const step = { ...common, type: "line", step: "middle" };
@@ -123,7 +158,7 @@ function curves(rows: Row[], { origin, time }: Clock, palette: Palette): object[
       data: others,
       ...symbolLook(SYMBOLS.others, other),
     },
-    ...existenceCurve(rows, origin, palette),
+    ...existenceCurve(drawn, origin, palette),
   ];
 }
 
@@ -165,7 +200,8 @@ function slider(palette: Palette): object {
   };
 }
 
-function draw(chart: Chart, rows: Row[], clock: Clock): void {
+function draw(chart: Chart, drawn: Drawn, clock: Clock): void {
+  const { rows } = drawn;
   const palette = readPalette();
   const { origin } = clock;
   const [first, last] = [rows[0]?.time ?? origin, rows.at(-1)?.time ?? origin + 1];
@@ -194,7 +230,7 @@ function draw(chart: Chart, rows: Row[], clock: Clock): void {
         { type: "inside", xAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" },
         slider(palette),
       ],
-      series: curves(rows, clock, palette),
+      series: curves(drawn, clock, palette),
     },
     { replaceMerge: ["series"] },
   );
@@ -223,10 +259,12 @@ export function seekOnClick(chart: Chart, clock: Clock): () => void {
 export function ProbabilityChart({
   jobId,
   track,
+  thresholds,
   clock,
 }: {
   jobId: string;
   track: string | null;
+  thresholds: Threshold[];
   clock: Clock;
 }): JSX.Element {
   const series = useResource(
@@ -241,7 +279,9 @@ export function ProbabilityChart({
   if (!series.data) return <Loading what="probabilities" />;
   const badge = reducedBadge([{ ...series.data, name: "points" }]);
   const title = `Association probability of track ${track} over time`;
-  const label = `${title}, ${rows.length} scans. The table shows the same numbers.`;
+  const lines = hasExistence(rows) ? thresholds : [];
+  const told = lines.map(({ name, existence }) => ` ${name} ${probability(existence)}.`).join("");
+  const label = `${title}, ${rows.length} scans.${told} The table shows the same numbers.`;
   const data = series.data;
   return (
     <ChartFrame
@@ -256,10 +296,10 @@ export function ProbabilityChart({
       <ChartCanvas
         class="probability-canvas"
         label={label}
-        keys={[rows, clock.time.value, theme.value]}
+        keys={[rows, told, clock.time.value, theme.value]}
         draw={(made) => {
           chart.current = made;
-          draw(made, rows, clock);
+          draw(made, { rows, thresholds }, clock);
         }}
         created={(made) => seekOnClick(made, clock)}
       />

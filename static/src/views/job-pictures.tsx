@@ -28,7 +28,7 @@ import { HeightTimeChart } from "../charts/height-time";
 import { type Levels, readLevels } from "../charts/levels";
 import { ModesChart } from "../charts/modes";
 import { PlanView } from "../charts/plan-view";
-import { ProbabilityChart } from "../charts/probability";
+import { ProbabilityChart, type Threshold } from "../charts/probability";
 import { type LocalPoint, memberName, sceneOf } from "../charts/scene";
 import { Empty, Link, Loading, ProblemBox } from "../components/basics";
 import { type CsvTable, parseCsv, reader } from "../components/csv";
@@ -185,13 +185,40 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
         />
         <TupleNote report={report} />
         {hasTracks && job.kind !== "correlate" ? (
-          <ProbabilityChart jobId={job.id} track={track} clock={clock} />
+          <ProbabilityChart
+            jobId={job.id}
+            track={track}
+            thresholds={thresholdsOf(report)}
+            clock={clock}
+          />
         ) : null}
         {models.length && track ? (
           <ModesChart jobId={job.id} track={track} models={models} clock={clock} />
         ) : null}
       </aside>
     </div>
+  );
+}
+
+/** Defaults of `undetected`, which a request may leave out as a whole. */
+const [REPORTED, RECYCLED] = [0.5, 0.1];
+
+/** The probabilities of existence at which tracks come and go, as the request says. */
+function thresholdsOf(report: Report): Threshold[] {
+  const { tracker = {} } = report.spec as { tracker?: Record<string, unknown> };
+  const { confirmation, undetected } = tracker as Record<string, Record<string, unknown>>;
+  const named =
+    tracker.method === "poisson_multi_bernoulli"
+      ? {
+          "told above": undetected?.report_existence ?? REPORTED,
+          "undetected below": undetected?.recycle_existence ?? RECYCLED,
+        }
+      : {
+          "confirmed at": confirmation?.confirm_existence,
+          "deleted at": confirmation?.delete_existence,
+        };
+  return Object.entries(named).flatMap(([name, existence]) =>
+    typeof existence === "number" ? [{ name, existence }] : [],
   );
 }
 
