@@ -116,6 +116,9 @@ fn the_names_of_operations_are_frozen() {
     );
 }
 
+/// The second answer of an upload, which generators would not take for one.
+const NAMED_IN_WORDS: &str = "Inspection";
+
 #[test]
 fn every_reference_resolves_and_every_schema_is_used() {
     for document in [openapi::document(), openapi::document_3_0()] {
@@ -139,6 +142,7 @@ fn every_reference_resolves_and_every_schema_is_used() {
             .as_object()
             .unwrap()
             .keys()
+            .filter(|name| *name != NAMED_IN_WORDS)
         {
             assert!(
                 targets.contains(format!("#/components/schemas/{name}").as_str()),

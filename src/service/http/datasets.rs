@@ -40,10 +40,12 @@ pub fn routes() -> OpenApiRouter<AppState> {
 ///
 /// Two parts: `meta` (JSON, may be left out) and `file`. With `meta` first, its faults are told before the file is read.
 /// The same content with the same meta gives the dataset that exists already, with status 200 instead of 201. With
-/// `?dry_run=true` the file is only looked at: the answer says what it holds and what seems wrong, and nothing of it is kept.
+/// `?dry_run=true` the file is only looked at: the answer, with status 200, is the schema `Inspection`. It says what the file holds and
+/// what seems wrong, and nothing of it is kept.
 #[utoipa::path(post, path = "/v1/datasets", operation_id = "uploadDataset", tag = "datasets",
+    params(("dry_run" = Option<bool>, Query, description = "Only look at the file: the answer is an `Inspection`.")),
     responses(
-        (status = 200, description = "The dataset that exists already.", body = DatasetInfo),
+        (status = 200, description = "The dataset that exists already; with `dry_run` an `Inspection`.", body = DatasetInfo),
         (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
     ))]
 async fn upload_dataset(
@@ -68,10 +70,10 @@ async fn upload_dataset(
 /// Upload a dataset as the body
 ///
 /// The body is the file; what is known of it besides stands in the query, each member of `DatasetMeta` under its name. Checks
-/// and answers are those of the upload in parts.
+/// and answers are those of the upload in parts: with `?dry_run=true` the schema `Inspection`.
 #[utoipa::path(post, path = "/v1/datasets/raw", operation_id = "uploadRawDataset", tag = "datasets",
     responses(
-        (status = 200, description = "The dataset that exists already.", body = DatasetInfo),
+        (status = 200, description = "The dataset that exists already; with `dry_run` an `Inspection`.", body = DatasetInfo),
         (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
     ))]
 async fn upload_raw_dataset(

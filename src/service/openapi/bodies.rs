@@ -185,6 +185,11 @@ pub fn raw_upload_query() -> Value {
         json!("What the file is called where it comes from."),
         file_name,
     ));
+    parameters.push(query_parameter(
+        "dry_run",
+        json!("Only look at the file: the answer is an `Inspection`."),
+        json!({"type": "boolean"}),
+    ));
     Value::Array(parameters)
 }
 

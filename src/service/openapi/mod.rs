@@ -8,6 +8,7 @@ mod version_3_0;
 
 use super::http;
 use super::types::{PROBLEMS, Problem};
+use crate::experiment::inspect::Inspection;
 use crate::experiment::{ARTIFACT_TYPES, JobKind};
 use crate::formats::{FORMATS, WRITERS};
 use crate::model::fault::FAULT_CODES;
@@ -15,7 +16,7 @@ use crate::registry::Components;
 use bodies::{capital, request_bodies};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
-use utoipa::PartialSchema;
+use utoipa::{PartialSchema, ToSchema};
 
 pub use examples::job_examples;
 
@@ -77,7 +78,8 @@ fn info() -> Value {
     })
 }
 
-/// The schemas that the handlers name, with `Problem`, which every operation may answer.
+/// The schemas that the handlers name, with `Problem`, which every operation may answer, and `Inspection`, which no response names:
+/// generators take one type for the success of an operation.
 fn components(document: &Value) -> Components {
     let named = document
         .pointer("/components/schemas")
@@ -86,6 +88,11 @@ fn components(document: &Value) -> Components {
         .unwrap_or_default();
     let mut components: Components = named.into_iter().collect();
     components.insert("Problem".to_owned(), json!(Problem::schema()));
+    let mut inspected = vec![(Inspection::name().into_owned(), Inspection::schema())];
+    Inspection::schemas(&mut inspected);
+    for (name, schema) in inspected {
+        components.insert(name, json!(schema));
+    }
     components.insert(
         "FaultItem".to_owned(),
         json!(super::types::FaultItem::schema()),
