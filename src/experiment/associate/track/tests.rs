@@ -5,6 +5,8 @@ use crate::experiment::associate::settle;
 use crate::experiment::associate::spec::Spec;
 use crate::experiment::observer::Silent;
 use crate::experiment::{JobKind, plan, presets};
+use crate::formats::{ReadOptions, format_named};
+use crate::model::dataset::Dataset;
 use crate::tracking::recorder::{RecordedPoint, Recorder};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -52,10 +54,13 @@ struct Scene {
 
 impl Scene {
     fn of(name: String, body: &Value) -> Scene {
+        Scene::with(name, body, JobData::default())
+    }
+
+    fn with(name: String, body: &Value, mut data: JobData) -> Scene {
         let planned =
             plan(JobKind::Associate, body).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
         let spec: Spec = serde_json::from_value(planned.spec).unwrap();
-        let mut data = JobData::default();
         let (input, detector) = (&spec.input, spec.detector.as_ref());
         data.gather(input, detector, &spec.sensors, SETTINGS.seed, &mut Silent)
             .unwrap();
@@ -271,6 +276,43 @@ fn after_any_scan_a_tracker_can_be_written_down() {
             "scan {scan}"
         );
     }
+}
+
+/// Two tracks on one target, of which the younger ends at 25 s, with the tenth scan that counts: the counts are written, too, whatever
+/// they are.
+#[test]
+fn counts_of_twins_go_on_to_the_bit() {
+    let twin = include_str!("../../../../tests/domain/twins/twin.csv");
+    let read = format_named("csv").unwrap().read;
+    let read = read(&mut twin.as_bytes(), &ReadOptions::default()).unwrap();
+    let Dataset::Detections(recording) = read.dataset else {
+        panic!("these are detections");
+    };
+    let body = json!({
+        "input": {"source": "dataset", "dataset_id": "d"},
+        "sensors": [{"sensor_id": "r", "p_d": 0.9, "clutter_per_m2": 1e-7, "sigma_x_m": 5, "sigma_y_m": 5}],
+        "associator": {"method": "pda"},
+        "filter": {"method": "kalman", "process_noise_m2ps3": 0.3},
+        "tracker": {"initial_speed_sigma_mps": 12, "merging": {"scans": 10}}
+    });
+    let mut data = JobData::default();
+    data.recording = Some(recording);
+    let scene = Scene::with("twin".into(), &body, data);
+    let mut whole = scene.tracker();
+    let mut counts = Vec::new();
+    for scan in 0..40 {
+        let written = whole.write_down();
+        let told: Value = serde_json::from_slice(&written).unwrap();
+        counts.extend(told["twins"][0]["scans"].as_u64());
+        let mut other = scene.tracker();
+        other.read_back(&written).unwrap();
+        assert!(other.write_down() == written, "scan {scan}");
+        let mut fork = whole.fork();
+        let rest = scene.feed(other.as_mut(), scan..40);
+        assert!(rest == scene.feed(fork.as_mut(), scan..40), "scan {scan}");
+        scene.feed(whole.as_mut(), scan..scan + 1);
+    }
+    assert_eq!(counts, [1, 2, 3, 4, 1, 2, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
 }
 
 #[test]
