@@ -10,6 +10,7 @@ mod yardstick;
 
 use std::hint::black_box;
 use std::time::Instant;
+use trackloom_domain::evaluation::credit::Credit;
 use trackloom_domain::evaluation::steps::StepSettings;
 use trackloom_domain::evaluation::strings::{self, StringRules, Strings};
 use trackloom_domain::evaluation::temporal_automaton::births::Births;
@@ -33,6 +34,7 @@ const RULES: StringRules = StringRules {
     max_missed: 5,
     sensors: None,
     steps: StepSettings::default(),
+    credit: Credit::AtTheTime,
 };
 
 fn main() {
