@@ -23,8 +23,8 @@ impl<const N: usize> GaussianState<N> {
     #[inline(always)]
     pub fn leading<const K: usize>(&self) -> GaussianState<K> {
         GaussianState {
-            mean: self.mean.fixed_rows::<K>(0).into_owned(),
-            covariance: self.covariance.fixed_view::<K, K>(0, 0).into_owned(),
+            mean: SVector::from_fn(|row, _| self.mean[row]),
+            covariance: SMatrix::from_fn(|row, column| self.covariance[(row, column)]),
         }
     }
 
