@@ -20,7 +20,7 @@
 //! A node that one element alone wants never enters the table: its weight joins that of none, and is split afterwards.
 
 use super::cluster::{Cluster, Turn};
-use super::number::{Number, Wide};
+use super::number::{MAX_SCALED_LOG, Number, Scaled, Wide};
 use super::plan::{self, Choice, EliminationPlan, EliminationStep, Limits, PRIVATE};
 
 #[derive(Debug, Clone, Default)]
@@ -28,6 +28,7 @@ pub(super) struct Exact {
     by_track: EliminationPlan,
     by_detection: EliminationPlan,
     ordinary: Tables<f64>,
+    scaled: Tables<Scaled>,
     extreme: Tables<Wide>,
 }
 
@@ -88,9 +89,13 @@ impl Exact {
         } else {
             &self.by_detection
         };
-        if cluster.is_narrow() {
-            self.ordinary.run(plan, planned.turn, cluster);
+        let is_done = if cluster.is_narrow() {
+            self.ordinary.run(plan, planned.turn, cluster)
         } else {
+            let is_mild = |logarithm: &f64| logarithm.abs() <= MAX_SCALED_LOG;
+            cluster.log_ratio.iter().all(is_mild) && self.scaled.run(plan, planned.turn, cluster)
+        };
+        if !is_done {
             self.extreme.run(plan, planned.turn, cluster);
         }
     }
@@ -104,33 +109,44 @@ struct Tables<T> {
     /// F before every step, one after the other.
     forward: Vec<T>,
     starts: Vec<usize>,
+    /// Each of them is F times two to minus the power of this.
+    exponents: Vec<i64>,
     table: Vec<T>,
     scratch: Vec<T>,
 }
 
 impl<T: Number> Tables<T> {
-    fn run(&mut self, plan: &EliminationPlan, turn: Turn, cluster: &mut Cluster) {
+    /// Whether all numbers stayed in range; the marginals mean something only then.
+    fn run(&mut self, plan: &EliminationPlan, turn: Turn, cluster: &mut Cluster) -> bool {
         self.weight.clear();
         self.weight
             .extend(cluster.log_ratio.iter().map(|&logarithm| T::exp(logarithm)));
-        self.sweep_forward(plan);
-        let total = self.table[0];
-        self.sweep_backward(plan, turn, total, cluster);
+        let Some(exponent) = self.sweep_forward(plan) else {
+            return false;
+        };
+        let total = (self.table[0], exponent);
+        if self.sweep_backward(plan, turn, total, cluster).is_none() {
+            return false;
+        }
         if turn == Turn::Detections {
             cluster.leave_missed();
         }
+        true
     }
 
-    /// Steps 1 and 2.
-    fn sweep_forward(&mut self, plan: &EliminationPlan) {
+    /// Steps 1 and 2; tells the exponent of the last table.
+    fn sweep_forward(&mut self, plan: &EliminationPlan) -> Option<i64> {
         self.forward.clear();
         self.starts.clear();
+        self.exponents.clear();
+        let mut exponent = 0;
         self.alone.clear();
         self.table.clear();
         self.table.push(T::ONE);
         let (mut choices_start, mut leaving_start) = (0, 0);
         for step in &plan.steps {
             self.starts.push(self.forward.len());
+            self.exponents.push(exponent);
             self.forward.extend_from_slice(&self.table);
             self.expand(
                 step,
@@ -141,7 +157,9 @@ impl<T: Number> Tables<T> {
                 std::mem::swap(&mut self.table, &mut self.scratch);
             }
             (choices_start, leaving_start) = (step.choices_end as usize, step.leaving_end as usize);
+            exponent += T::settle(&mut self.table)?;
         }
+        Some(exponent)
     }
 
     /// Step 1: `table` from F to G.
@@ -178,9 +196,10 @@ impl<T: Number> Tables<T> {
         &mut self,
         plan: &EliminationPlan,
         turn: Turn,
-        total: T,
+        (total, total_exponent): (T, i64),
         cluster: &mut Cluster,
-    ) {
+    ) -> Option<()> {
+        let mut exponent = 0;
         self.table.clear();
         self.table.push(T::ONE);
         for (index, step) in plan.steps.iter().enumerate().rev() {
@@ -195,11 +214,14 @@ impl<T: Number> Tables<T> {
                 std::mem::swap(&mut self.table, &mut self.scratch);
             }
             let choices = &plan.choices[choices_start..step.choices_end as usize];
+            let total = (total, self.exponents[index] + exponent - total_exponent);
             let kept = self.contract(index, step, choices, total, &mut cluster.beta);
             if turn == Turn::Tracks {
                 cluster.missed[step.element as usize] = kept;
             }
+            exponent += T::settle(&mut self.table)?;
         }
+        Some(())
     }
 
     /// `table` from Bₜ to Bₜ₋₁, and the marginals of one element; returns that of "none".
@@ -208,7 +230,7 @@ impl<T: Number> Tables<T> {
         index: usize,
         step: &EliminationStep,
         choices: &[Choice],
-        total: T,
+        (total, shift): (T, i64),
         beta: &mut [f64],
     ) -> f64 {
         let size = 1 << step.width;
@@ -241,10 +263,10 @@ impl<T: Number> Tables<T> {
                     weight,
                 )
             };
-            beta[choice.edge as usize] = mass.share_of(total);
+            beta[choice.edge as usize] = mass.share_at(shift, total);
         }
         std::mem::swap(&mut self.table, &mut self.scratch);
-        kept.share_of(total)
+        kept.share_at(shift, total)
     }
 }
 
@@ -409,5 +431,52 @@ fn repeat_halves<T: Number>(from: &[T], to: &mut Vec<T>, bit: u8) {
     for block in from.chunks_exact(half) {
         to.extend_from_slice(block);
         to.extend_from_slice(block);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{Tracks, problem_of};
+    use super::*;
+
+    /// Bits of β and β₀ with one kind of number; `None` where that does not take the cluster.
+    fn shares<T: Number>(cluster: &mut Cluster, turn: Turn) -> Option<Vec<u64>> {
+        let mut plan = EliminationPlan::default();
+        let limits = Limits {
+            width: 16,
+            cost: 1 << 20,
+        };
+        assert!(plan.make(cluster.sides(turn), limits));
+        let is_done = Tables::<T>::default().run(&plan, turn, cluster);
+        let shares = cluster.beta.iter().chain(&cluster.missed);
+        is_done.then(|| shares.map(|share| share.to_bits()).collect())
+    }
+
+    /// Eighty tracks, each wants four detections in a row, with logarithms of ratios up to `strength`.
+    fn band(strength: f64) -> Cluster {
+        let ratio =
+            |track: u32, at: u32| strength * (f64::from((track * 7 + at * 11) % 13) / 6.0 - 1.0);
+        let track = |track: u32| {
+            let wanted = (0..4).map(|at| (track + at, ratio(track, at)));
+            (wanted.collect(), 0.0)
+        };
+        let tracks: Tracks = (0..80).map(track).collect();
+        let mut cluster = Cluster::default();
+        problem_of(&tracks).for_each_cluster(|problem| cluster.load(problem));
+        cluster
+    }
+
+    /// Beyond the range of `f64`; at last so far that cells of one table are, too.
+    #[test]
+    fn scaled_tables_give_the_same_to_the_bit() {
+        for (strength, is_taken) in [(1.0, true), (10.0, true), (14.0, true), (90.0, false)] {
+            let mut cluster = band(strength);
+            assert_eq!(cluster.is_narrow(), strength == 1.0);
+            for turn in [Turn::Tracks, Turn::Detections] {
+                let wide = shares::<Wide>(&mut cluster, turn);
+                let scaled = shares::<Scaled>(&mut cluster, turn);
+                assert_eq!(scaled, wide.filter(|_| is_taken), "{strength} {turn:?}");
+            }
+        }
     }
 }

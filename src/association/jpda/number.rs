@@ -1,5 +1,6 @@
-//! Numbers for sums of products of association weights: `f64` where nothing can leave its range, else [`Wide`], whose
-//! exponent has 64 bits. All sums here have positive terms only, so neither loses more than rounding.
+//! Numbers for sums of products of association weights: `f64` where nothing can leave its range, [`Scaled`] where nothing does
+//! if tables are scaled on the way, else [`Wide`], whose exponent has 64 bits. All sums here have positive terms only, so none
+//! loses more than rounding.
 
 use std::ops::{Add, Div, Mul};
 
@@ -13,6 +14,18 @@ pub(super) trait Number:
 
     /// self / total, for self ≤ total.
     fn share_of(self, total: Self) -> f64;
+
+    /// self · 2^shift / total, for tables that [`Number::settle`] scaled.
+    #[inline]
+    fn share_at(self, _shift: i64, total: Self) -> f64 {
+        self.share_of(total)
+    }
+
+    /// Scales a table by a power of two where that keeps it in range, and tells which; `None` where nothing would.
+    #[inline]
+    fn settle(_table: &mut [Self]) -> Option<i64> {
+        Some(0)
+    }
 }
 
 impl Number for f64 {
@@ -26,6 +39,89 @@ impl Number for f64 {
     #[inline]
     fn share_of(self, total: Self) -> f64 {
         self / total
+    }
+}
+
+/// An `f64` in tables that are scaled on the way. Nothing is lost by that: weights are within e^±[`MAX_SCALED_LOG`], the cells of a
+/// table within 2^-[`SPAN`] of the largest, which is below 2^[`TOP`], and no product of two cells and a weight leaves the range.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Scaled(f64);
+
+/// Logarithms of weights that [`Scaled`] takes; e^100 is below 2^145.
+pub(super) const MAX_SCALED_LOG: f64 = 100.0;
+const SPAN: i64 = 200;
+const TOP: i64 = 100;
+
+/// 2^exponent, for exponents of normal numbers.
+#[inline]
+fn power_of_two(exponent: i64) -> f64 {
+    f64::from_bits(((BIAS as i64 + exponent) as u64) << FRACTION_BITS)
+}
+
+impl Add for Scaled {
+    type Output = Scaled;
+
+    #[inline]
+    fn add(self, other: Scaled) -> Scaled {
+        Scaled(self.0 + other.0)
+    }
+}
+
+impl Mul for Scaled {
+    type Output = Scaled;
+
+    #[inline]
+    fn mul(self, other: Scaled) -> Scaled {
+        Scaled(self.0 * other.0)
+    }
+}
+
+impl Div for Scaled {
+    type Output = Scaled;
+
+    #[inline]
+    fn div(self, other: Scaled) -> Scaled {
+        Scaled(self.0 / other.0)
+    }
+}
+
+impl Number for Scaled {
+    const ONE: Self = Scaled(1.0);
+
+    /// To the bit what [`Wide`] makes of it.
+    fn exp(logarithm: f64) -> Self {
+        let wide = Wide::exp(logarithm);
+        Scaled(wide.fraction * power_of_two(wide.exponent))
+    }
+
+    #[inline]
+    fn share_of(self, total: Self) -> f64 {
+        self.0 / total.0
+    }
+
+    fn share_at(self, shift: i64, total: Self) -> f64 {
+        Wide::new(self.0, shift).share_of(Wide::new(total.0, 0))
+    }
+
+    fn settle(table: &mut [Self]) -> Option<i64> {
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        for cell in table.iter() {
+            // A cell that no event leads to is 0.
+            least = least.min(if cell.0 > 0.0 { cell.0 } else { f64::INFINITY });
+            most = most.max(cell.0);
+        }
+        if least < most * power_of_two(-SPAN) {
+            return None;
+        }
+        if most <= power_of_two(TOP) {
+            return Some(0);
+        }
+        let exponent = (most.to_bits() >> FRACTION_BITS) as i64 - BIAS as i64;
+        let factor = power_of_two(-exponent);
+        for cell in table {
+            cell.0 *= factor;
+        }
+        Some(exponent)
     }
 }
 
