@@ -6,7 +6,7 @@
 //! the smallest scene. Last, what JPDA costs in whole runs and how it found its marginals.
 //! `cargo bench --bench association -- 100 5000` runs only these sizes, `-- jpda` only the whole runs of JPDA, `-- imm` only what
 //! filters of several motion models cost, `-- space` only what tracks in space cost beside those in the plane, `-- begin` what beginnings over several
-//! scans cost, and `-- existence` what trackers with a probability of existence cost.
+//! scans cost, and `-- existence` what trackers with a probability of existence cost: of the sizes and the trackers that are named, else of all.
 
 #[path = "support/flights.rs"]
 mod flights;
@@ -156,8 +156,9 @@ fn existence_scenes(u_ns: f64) {
             },
         ),
     ];
+    let (sizes, contenders) = (chosen_sizes(&[100, 1_000]), chosen_contenders(contenders));
     let mut smallest = Vec::new();
-    for targets in [100, 1_000] {
+    for targets in sizes {
         let (scenario, recording) = scene(targets);
         let detections = recording.detection_count() as f64;
         let mut least_ns = vec![f64::INFINITY; contenders.len()];
@@ -175,6 +176,32 @@ fn existence_scenes(u_ns: f64) {
             let (u, ratio, growth) = (ns / u_ns, ns / least_ns[0], ns / smallest[index]);
             println!("{targets:>8}  {name:<24} {ns:>10.1} {u:>8.2} {ratio:>8.2} {growth:>11.2}");
         }
+    }
+}
+
+/// The sizes among the arguments, else all.
+fn chosen_sizes(all: &[u32]) -> Vec<u32> {
+    let named: Vec<u32> = std::env::args()
+        .filter_map(|argument| argument.parse().ok())
+        .collect();
+    if named.is_empty() {
+        all.to_vec()
+    } else {
+        named
+    }
+}
+
+/// The contenders whose names are among the arguments, else all.
+fn chosen_contenders<const N: usize>(
+    all: [(&'static str, Contender); N],
+) -> Vec<(&'static str, Contender)> {
+    let is_named =
+        |(name, _): &&(&'static str, Contender)| std::env::args().any(|one| one == *name);
+    let named: Vec<_> = all.iter().filter(is_named).cloned().collect();
+    if named.is_empty() {
+        all.to_vec()
+    } else {
+        named
     }
 }
 
