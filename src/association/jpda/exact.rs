@@ -454,13 +454,15 @@ mod tests {
 
     /// Eighty tracks, each wants four detections in a row, with logarithms of ratios up to `strength`.
     fn band(strength: f64) -> Cluster {
-        let ratio =
-            |track: u32, at: u32| strength * (f64::from((track * 7 + at * 11) % 13) / 6.0 - 1.0);
-        let track = |track: u32| {
-            let wanted = (0..4).map(|at| (track + at, ratio(track, at)));
-            (wanted.collect(), 0.0)
-        };
-        let tracks: Tracks = (0..80).map(track).collect();
+        let mut tracks = Tracks::new();
+        for track in 0..80_u32 {
+            let mut wanted = Vec::new();
+            for at in 0..4 {
+                let ratio = f64::from((track * 7 + at * 11) % 13) / 6.0 - 1.0;
+                wanted.push((track + at, strength * ratio));
+            }
+            tracks.push((wanted, 0.0));
+        }
         let mut cluster = Cluster::default();
         problem_of(&tracks).for_each_cluster(|problem| cluster.load(problem));
         cluster
