@@ -11,6 +11,7 @@ use crate::experiment::input::extent::space_of;
 use crate::experiment::input::sensors;
 use crate::experiment::request::draft::{Draft, parse};
 use crate::experiment::request::methods::{NamedFilter, TrackingSpec};
+use crate::experiment::request::paths::put_field;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Recording, RecordingParts, Scan};
@@ -73,7 +74,7 @@ impl Scene {
         let sample = sample_of(&typed.sensors, typed.origin)?;
         let settled = settle(&typed.tracking, &sample);
         if let Some(chosen) = settled.chosen {
-            spec["filter"] = chosen;
+            put_field(spec, "filter", chosen);
         }
         let filter = settled.filter;
         let mut warnings = Vec::new();

@@ -148,22 +148,20 @@ impl Session {
         let kinematics = Kinematics::unpack(space, packed);
         let (place, rate) = (kinematics.position, kinematics.velocity.unwrap_or_default());
         let has_places = space.has_places();
-        let placed = |value: f64| has_places.then_some(value);
-        let raised = |value: f64| (space == Space::Volume).then_some(value);
-        let directed = |value: f64| (!has_places).then(|| value.to_degrees());
+        let is_raised = space == Space::Volume;
         let earth = self.scene.frame().filter(|_| has_places);
         let earth = earth.map(|frame| on_earth(frame, space, &place));
         LivePoint {
             time_s,
             existence,
-            x_m: placed(place.x),
-            y_m: placed(place.y),
-            z_m: raised(place.z),
-            vx_mps: placed(rate.x),
-            vy_mps: placed(rate.y),
-            vz_mps: raised(rate.z),
-            bearing_deg: directed(place.x),
-            bearing_rate_degps: directed(rate.x),
+            x_m: has_places.then_some(place.x),
+            y_m: has_places.then_some(place.y),
+            z_m: is_raised.then_some(place.z),
+            vx_mps: has_places.then_some(rate.x),
+            vy_mps: has_places.then_some(rate.y),
+            vz_mps: is_raised.then_some(rate.z),
+            bearing_deg: (!has_places).then_some(place.x.to_degrees()),
+            bearing_rate_degps: (!has_places).then_some(rate.x.to_degrees()),
             lat_deg: earth.map(|(lat_deg, _)| lat_deg),
             lon_deg: earth.map(|(_, lon_deg)| lon_deg),
             covariance: kinematics

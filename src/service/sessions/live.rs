@@ -214,16 +214,14 @@ impl Live {
         storage: &Storage,
     ) -> Result<Vec<EntryFate>, ServiceError> {
         let live = self.clone();
-        let take_all = move || {
-            let mut session = live.session();
-            let take = |entry| session.take(entry);
-            new.into_iter().map(take).collect::<Result<Vec<_>, _>>()
-        };
-        let taken = tokio::task::spawn_blocking(take_all).await;
-        let taken = taken.map_err(|error| ServiceError::Internal(error.into()))?;
-        match taken {
-            Ok(fates) => Ok(fates),
-            Err(fault) => {
+        let take_all = move || take_all(&mut live.session(), new);
+        match tokio::task::spawn_blocking(take_all).await {
+            Ok(Ok(fates)) => Ok(fates),
+            Err(error) => {
+                self.spoil();
+                Err(ServiceError::Internal(error.into()))
+            }
+            Ok(Err(fault)) => {
                 self.spoil();
                 let end = SessionEnd {
                     fault: Some(json!(fault)),
@@ -239,39 +237,33 @@ impl Live {
     fn checkpoint(self: &Arc<Self>, turn: &mut Turn, storage: &Storage) {
         turn.checkpoint_entries = turn.entries;
         turn.checkpointed = Instant::now();
-        let (live, storage, entries) = (self.clone(), storage.clone(), turn.entries);
-        let bytes = live.session().write_down();
-        tokio::spawn(async move {
-            let checkpoint = Checkpoint {
-                bytes,
-                entries,
-                version: VERSION.to_owned(),
-            };
-            if let Err(error) = storage
-                .keep_checkpoint(live.id, live.fence, checkpoint)
-                .await
-            {
-                tracing::warn!(error = format!("{error:#}"), "a checkpoint was not kept");
-            }
-        });
+        let (live, storage) = (self.clone(), storage.clone());
+        let checkpoint = self.write_down(turn.entries);
+        tokio::spawn(async move { live.keep_checkpoint(checkpoint, &storage).await });
+    }
+
+    fn write_down(&self, entries: u64) -> Checkpoint {
+        Checkpoint {
+            bytes: self.session().write_down(),
+            entries,
+            version: VERSION.to_owned(),
+        }
+    }
+
+    async fn keep_checkpoint(&self, checkpoint: Checkpoint, storage: &Storage) {
+        let kept = storage.keep_checkpoint(self.id, self.fence, checkpoint);
+        if let Err(error) = kept.await {
+            tracing::warn!(error = format!("{error:#}"), "a checkpoint was not kept");
+        }
     }
 
     /// What is known is written down before the process ends.
-    pub async fn rest(self: &Arc<Self>, storage: &Storage) {
+    pub async fn rest(&self, storage: &Storage) {
         let mut turn = self.turn.lock().await;
         if !self.is_spoilt() && turn.entries > turn.checkpoint_entries {
             turn.checkpoint_entries = turn.entries;
-            let checkpoint = Checkpoint {
-                bytes: self.session().write_down(),
-                entries: turn.entries,
-                version: VERSION.to_owned(),
-            };
-            if let Err(error) = storage
-                .keep_checkpoint(self.id, self.fence, checkpoint)
-                .await
-            {
-                tracing::warn!(error = format!("{error:#}"), "a checkpoint was not kept");
-            }
+            let checkpoint = self.write_down(turn.entries);
+            self.keep_checkpoint(checkpoint, storage).await;
         }
         self.spoil();
     }
@@ -280,6 +272,10 @@ impl Live {
     pub fn events(&self, after: u64, most: usize) -> Option<Vec<SessionEvent>> {
         self.session().events_after(after, most)
     }
+}
+
+fn take_all(session: &mut Session, new: Vec<Entry>) -> Result<Vec<EntryFate>, Box<Fault>> {
+    new.into_iter().map(|entry| session.take(entry)).collect()
 }
 
 impl Turn {

@@ -2,32 +2,28 @@
 
 mod live;
 mod log;
+mod recording;
+mod told;
 
-use super::datasets::{DatasetMeta, Datasets, ReceivedFile};
+use super::datasets::Datasets;
 use super::error::{ServiceError, cursor_of};
-use super::storage::blobs::sha256_hex;
-use super::storage::{Lease, NewSession, Page, Paging, SessionEnd, Storage, StoredSession};
+use super::storage::{Lease, NewSession, Page, Paging, Storage, StoredSession};
 use super::types::{
-    DatasetInfo, LiveTracks, Pushed, SessionEvents, SessionInfo, SessionLive, SessionPage,
-    SessionState, TrackHistory,
+    LiveTracks, Pushed, SessionEvents, SessionInfo, SessionPage, SessionState, TrackHistory,
 };
-use crate::experiment::session::{
-    Entry, Scene, Session, SessionEvent, SessionRecording, read_scan,
-};
-use crate::formats::FormatOptions;
-use crate::model::dataset::DatasetKind;
+use crate::experiment::session::{Entry, Scene, Session, SessionEvent, read_scan};
 use crate::model::fault::Fault;
-use crate::model::sensor::SensorSettings;
 use crate::service::build_info::VERSION;
 use anyhow::Context;
 use futures::{Stream, stream};
 use live::Live;
 use log::Log;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
+use told::{info, state_name, told_of};
 use uuid::Uuid;
 
 /// Sessions that one process has open.
@@ -36,8 +32,6 @@ const MOST_OPEN: usize = 256;
 const RENEWAL: Duration = Duration::from_secs(3);
 /// Events that are sent at once.
 const EVENTS_AT_ONCE: usize = 500;
-/// Scans of a recording that a session can become.
-const MOST_RECORDED: usize = 1_000_000;
 
 /// The sessions of one process.
 pub struct Sessions {
@@ -368,100 +362,6 @@ impl Sessions {
         ))
     }
 
-    /// The scans so far as a dataset of detections.
-    pub async fn record(&self, id: Uuid) -> Result<(DatasetInfo, bool), ServiceError> {
-        let stored = self.stored(id).await?;
-        self.record_stored(&stored).await
-    }
-
-    async fn record_stored(
-        &self,
-        stored: &StoredSession,
-    ) -> Result<(DatasetInfo, bool), ServiceError> {
-        let scene = Arc::new(Scene::again(&stored.spec).map_err(ServiceError::Invalid)?);
-        let mut recording = SessionRecording::new(scene);
-        let mut entries = 0;
-        loop {
-            let page = self.storage.log_page(stored.id, entries).await?;
-            if page.is_empty() {
-                break;
-            }
-            entries += page.len() as u64;
-            for text in &page {
-                let entry = serde_json::from_str(text).context("an entry of a log")?;
-                recording
-                    .add(entry)
-                    .map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
-            }
-            if recording.scans() > MOST_RECORDED {
-                let detail = format!("the session has more than {MOST_RECORDED} scans");
-                return Err(ServiceError::Invalid(vec![Fault::new(
-                    "",
-                    "too_large",
-                    detail,
-                )]));
-            }
-        }
-        if recording.scans() == 0 {
-            let detail = "the session has no scans";
-            return Err(ServiceError::Invalid(vec![Fault::new("", "empty", detail)]));
-        }
-        let bytes = recording.into_csv();
-        let path = self.datasets.temp_dir().join(Uuid::now_v7().to_string());
-        let file = ReceivedFile {
-            sha256: sha256_hex(&bytes),
-            bytes: bytes.len() as u64,
-            path: path.clone(),
-        };
-        let write = move || std::fs::write(path, bytes);
-        let written = tokio::task::spawn_blocking(write).await;
-        let written = written.context("writing a recording panicked")?;
-        written.map_err(anyhow::Error::from)?;
-        self.datasets.add(file, meta_of(stored)).await
-    }
-
-    /// Ends a session: what it took becomes a dataset, and a job tracks it with the same settings.
-    /// `submit` is given the body of the job, and gives its identity.
-    pub async fn close<F>(
-        &self,
-        id: Uuid,
-        submit: impl FnOnce(Value) -> F,
-    ) -> Result<SessionInfo, ServiceError>
-    where
-        F: Future<Output = Result<Uuid, ServiceError>>,
-    {
-        let stored = self.stored(id).await?;
-        if stored.state != SessionState::Open {
-            return self.get(id).await;
-        }
-        let live = self.open(&stored).await?;
-        let fence = live.fence;
-        // Whoever pushes now finds it closed.
-        live.rest(&self.storage).await;
-        let mut end = SessionEnd::default();
-        if self.stored(id).await?.entries > 0 {
-            match self.record_stored(&stored).await {
-                Ok((dataset, _)) => {
-                    end.dataset_id = Some(dataset.id);
-                    let scene = Scene::again(&stored.spec).map_err(ServiceError::Invalid)?;
-                    let mut body = scene.job_on(&dataset.id.to_string());
-                    if let Some(name) = &stored.name {
-                        body["name"] = json!(name);
-                    }
-                    end.job_id = Some(submit(body).await?);
-                }
-                // Heartbeats alone are no recording.
-                Err(ServiceError::Invalid(faults))
-                    if faults.iter().all(|fault| fault.code == "empty") => {}
-                Err(error) => return Err(error),
-            }
-        }
-        if !self.storage.end_session(id, fence, &end).await? {
-            return Err(ServiceError::Unavailable);
-        }
-        self.get(id).await
-    }
-
     /// Deletes a session with its log; what was made of it stays.
     pub async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
         let stored = self.stored(id).await?;
@@ -484,60 +384,4 @@ fn take_page(mut session: Session, page: &[String]) -> Result<Session, ServiceEr
 fn events_after(live: &Live, after: u64) -> Result<Vec<SessionEvent>, ServiceError> {
     let events = live.events(after, EVENTS_AT_ONCE);
     events.ok_or(ServiceError::Gone("event, or one after it,"))
-}
-
-/// What the dataset of a session says of itself.
-fn meta_of(stored: &StoredSession) -> DatasetMeta {
-    let mut options = FormatOptions::default();
-    options.add("origin", &stored.spec.get("origin"));
-    let listed = stored.spec.get("sensors").cloned().unwrap_or_default();
-    let sensors: Vec<SensorSettings> = serde_json::from_value(listed).unwrap_or_default();
-    let name = stored.name.clone();
-    DatasetMeta {
-        name: Some(name.unwrap_or_else(|| format!("session {}", stored.id))),
-        kind: Some(DatasetKind::Detections),
-        format: Some("csv".to_owned()),
-        options,
-        sensors,
-        ..DatasetMeta::default()
-    }
-}
-
-fn info(stored: StoredSession) -> SessionInfo {
-    SessionInfo {
-        id: stored.id,
-        name: stored.name,
-        labels: stored.labels,
-        state: stored.state,
-        entries: stored.entries,
-        created_at: stored.created_at,
-        closed_at: stored.closed_at,
-        dataset_id: stored.dataset_id,
-        job_id: stored.job_id,
-        fault: stored.fault,
-        request: stored.spec,
-        live: None,
-    }
-}
-
-fn told_of(session: &Session) -> SessionLive {
-    let tracks = session.tracks(None);
-    let is_confirmed = |track: &&crate::service::types::LiveTrack| track.is_confirmed();
-    SessionLive {
-        counts: session.counts(),
-        processed_to_s: session.processed_to_s(),
-        waiting: session.waiting() as u64,
-        confirmed: tracks.iter().filter(is_confirmed).count() as u64,
-        tracks: tracks.len() as u64,
-        last_event: session.last_event(),
-        warnings: session.scene().warnings.clone(),
-    }
-}
-
-fn state_name(state: SessionState) -> &'static str {
-    match state {
-        SessionState::Open => "open",
-        SessionState::Closed => "closed",
-        SessionState::Failed => "failed",
-    }
 }

@@ -1,3 +1,5 @@
+//! The reduced programme against values of another solver.
+
 use super::super::linear_programme;
 use super::*;
 use rand::{RngExt, SeedableRng};

@@ -1,0 +1,44 @@
+//! What is told of a session.
+
+use crate::experiment::session::Session;
+use crate::service::storage::StoredSession;
+use crate::service::types::{LiveTrack, SessionInfo, SessionLive, SessionState};
+
+pub(super) fn info(stored: StoredSession) -> SessionInfo {
+    SessionInfo {
+        id: stored.id,
+        name: stored.name,
+        labels: stored.labels,
+        state: stored.state,
+        entries: stored.entries,
+        created_at: stored.created_at,
+        closed_at: stored.closed_at,
+        dataset_id: stored.dataset_id,
+        job_id: stored.job_id,
+        fault: stored.fault,
+        request: stored.spec,
+        live: None,
+    }
+}
+
+pub(super) fn told_of(session: &Session) -> SessionLive {
+    let tracks = session.tracks(None);
+    let is_confirmed = |track: &&LiveTrack| track.is_confirmed();
+    SessionLive {
+        counts: session.counts(),
+        processed_to_s: session.processed_to_s(),
+        waiting: session.waiting() as u64,
+        confirmed: tracks.iter().filter(is_confirmed).count() as u64,
+        tracks: tracks.len() as u64,
+        last_event: session.last_event(),
+        warnings: session.scene().warnings.clone(),
+    }
+}
+
+pub(super) fn state_name(state: SessionState) -> &'static str {
+    match state {
+        SessionState::Open => "open",
+        SessionState::Closed => "closed",
+        SessionState::Failed => "failed",
+    }
+}
