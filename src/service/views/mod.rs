@@ -1,6 +1,7 @@
 //! Pictures as numbers: pure functions from datasets to columns, reduced where there is more than a screen can show,
 //! and always saying so.
 
+pub mod association_map;
 pub mod bearing_time;
 pub mod compare;
 pub mod gates;
@@ -8,6 +9,7 @@ mod heights;
 pub mod layers;
 pub mod metrics;
 mod modes;
+mod origins;
 pub mod plan;
 pub mod preview;
 mod reduction;

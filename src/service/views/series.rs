@@ -1,10 +1,12 @@
 //! Series over time: the probability of each candidate and each motion model of each track, what each scan held, gates and bearings.
 
+use super::association_map::{self, AssociationMapSeries};
 use super::bearing_time::{self, BearingTimeSeries};
 use super::gates::{self, GatesSeries};
 use super::layers::JobLayers;
 use super::metrics::{MetricsSeries, over_time};
 use super::modes::{self, ModeProbabilitySeries};
+use super::origins::Origins;
 use super::{Method, Reduced, Window, detection_id, points, scans};
 use crate::model::scan::Recording;
 use crate::model::track::{TrackSet, TrackStatus};
@@ -16,9 +18,12 @@ use utoipa::ToSchema;
 pub type MakeSeries = fn(&JobLayers, &Window) -> Series;
 
 /// Every series, by name.
-pub const SERIES: [(&str, MakeSeries); 6] = [
+pub const SERIES: [(&str, MakeSeries); 7] = [
     ("track_probability", |layers, window| {
         Series::TrackProbability(track_probability(layers, window))
+    }),
+    ("association_map", |layers, window| {
+        Series::AssociationMap(association_map::of(layers, window))
     }),
     ("mode_probability", |layers, window| {
         Series::ModeProbability(modes::of(layers, window))
@@ -42,6 +47,7 @@ pub const SERIES: [(&str, MakeSeries); 6] = [
 #[serde(untagged)]
 pub enum Series {
     TrackProbability(TrackProbabilitySeries),
+    AssociationMap(AssociationMapSeries),
     ModeProbability(ModeProbabilitySeries),
     ScanCounts(ScanCountsSeries),
     BearingTime(BearingTimeSeries),
@@ -65,6 +71,8 @@ pub enum ScanCountsName {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct TrackProbabilitySeries {
     pub name: TrackProbabilityName,
+    /// Whether the recording says which target each detection came from.
+    pub origins_known: bool,
     pub columns: TrackProbabilityColumns,
     /// Unit of each column that has one.
     pub units: BTreeMap<String, String>,
@@ -81,6 +89,8 @@ pub struct TrackProbabilityColumns {
     pub track_id: Vec<String>,
     /// Null is "no detection".
     pub detection_id: Vec<Option<String>>,
+    /// The target that the detection came from; null for none, for clutter, and where origins are unknown.
+    pub truth_id: Vec<Option<String>>,
     pub probability: Vec<f64>,
     /// `tentative`, `confirmed`, `coasted`; null where the tracks do not say.
     pub status: Vec<Option<String>>,
@@ -122,7 +132,7 @@ pub fn named(name: &str) -> Option<MakeSeries> {
         .map(|(_, make)| *make)
 }
 
-fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySeries {
+pub(super) fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySeries {
     let empty = TrackSet::default();
     let set = layers.tracks.as_ref().unwrap_or(&empty);
     let numbers = layers
@@ -149,11 +159,19 @@ fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySer
             .map(|index| set.sensor_ids[index as usize].as_str());
         numbers.get(&(point.time_s.to_bits(), sensor_id)).copied()
     };
+    let origins = Origins::of(layers, set);
+    let truth_of = |row: usize| {
+        let origins = origins.as_ref()?;
+        let (_, point, candidate) = rows[row];
+        let target = origins.target(point, candidate)?;
+        Some(origins.name(target).to_owned())
+    };
     let columns = TrackProbabilityColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
         scan: kept.column(scan_of),
         track_id: kept.column(|row| rows[row].0.to_owned()),
         detection_id: kept.column(|row| detection_id(set, rows[row].2)),
+        truth_id: kept.column(truth_of),
         probability: kept.column(|row| rows[row].2.probability),
         status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
         nis: kept.column(|row| rows[row].1.nis),
@@ -161,6 +179,7 @@ fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySer
     };
     TrackProbabilitySeries {
         name: TrackProbabilityName::TrackProbability,
+        origins_known: origins.is_some(),
         columns,
         units: seconds(),
         source_points: kept.source_points,

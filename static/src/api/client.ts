@@ -5,6 +5,7 @@ import createClient from "openapi-fetch";
 import type { components, paths } from "../../generated/api";
 import type {
   Artifact,
+  AssociationMap,
   BearingTime,
   CampaignSoFar,
   Comparison,
@@ -97,14 +98,21 @@ function once<T>(question: string, ask: () => Promise<T>): Promise<T> {
 
 export const getPlan = (id: string): Promise<Plan> =>
   once(`plan ${id}`, () => taken(client.GET("/v1/jobs/{id}/plan", path(id))));
+/** Only what was there from one time to another. */
+export function getPlanWindow(id: string, from: number, to: number): Promise<Plan> {
+  return taken(client.GET("/v1/jobs/{id}/plan", { params: { path: { id }, query: { from, to } } }));
+}
 /** Only what was there at one time. */
-export function getPlanAt(id: string, time_s: number): Promise<Plan> {
-  return taken(
+export const getPlanAt = (id: string, time_s: number): Promise<Plan> =>
+  getPlanWindow(id, time_s, time_s);
+const MOST_TRACK_POINTS = 5000;
+/** One track whole, among few of the other points. */
+export const getPlanOfTrack = (id: string, track: string): Promise<Plan> =>
+  taken(
     client.GET("/v1/jobs/{id}/plan", {
-      params: { path: { id }, query: { from: time_s, to: time_s } },
+      params: { path: { id }, query: { track, max_points: MOST_TRACK_POINTS } },
     }),
   );
-}
 /** The request of a job, as the form of its kind shows it. */
 export const getSpec = async (id: string): Promise<Record<string, unknown>> =>
   withoutKind(await taken(client.GET("/v1/jobs/{id}/spec", path(id))));
@@ -125,7 +133,11 @@ export async function getArtifactText(id: string, name: string): Promise<string>
 }
 
 /** The series of one name has one shape, which the path cannot say. */
-function series<T>(id: string, name: string, query: { track?: string }): Promise<T> {
+function series<T>(
+  id: string,
+  name: string,
+  query: { track?: string; max_points?: number },
+): Promise<T> {
   return taken(
     client.GET("/v1/jobs/{id}/series/{name}", { params: { path: { id, name }, query } }),
   ) as Promise<T>;
@@ -133,6 +145,9 @@ function series<T>(id: string, name: string, query: { track?: string }): Promise
 
 export const getTrackProbability = (id: string, track: string): Promise<TrackProbability> =>
   series(id, "track_probability", { track });
+const MOST_MAP_POINTS = 400_000;
+export const getAssociationMap = (id: string): Promise<AssociationMap> =>
+  once(`map ${id}`, () => series(id, "association_map", { max_points: MOST_MAP_POINTS }));
 export const getModeProbability = (id: string, track: string): Promise<ModeProbability> =>
   series(id, "mode_probability", { track });
 export const getGates = (id: string, track: string): Promise<Gates> =>

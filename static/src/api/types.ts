@@ -36,11 +36,34 @@ export type RequirementsReport = Schemas["RequirementsReport"];
 export type ScanCounts = Schemas["ScanCountsSeries"];
 export type TargetVerdict = Schemas["TfaTarget"];
 export type Tfa = Schemas["Tfa"];
-export type TrackProbability = Schemas["TrackProbabilitySeries"];
+export type TrackProbability = Schemas["TrackProbabilitySeries"] & { origins_known: boolean };
 export type ModeProbability = Schemas["ModeProbabilitySeries"];
 export type Validation = Schemas["ValidationResult"];
 
 export type Units = Schemas["Units"];
+
+/** How the probability of every track was shared: a row a track, the most doubtful first. */
+export interface AssociationMap {
+  origins_known: boolean;
+  time_s: number[];
+  rows: AssociationMapRow[];
+  source_tracks: number;
+  returned_tracks: number;
+  source_points: number;
+  returned_points: number;
+}
+
+/** Shares in thousandths; what is left of 1000 is "no detection". */
+export interface AssociationMapRow {
+  track_id: string;
+  truth_id: string | null;
+  doubt: number;
+  /** Places in `time_s`. */
+  at: number[];
+  own: number[];
+  other: number[];
+  clutter: number[];
+}
 
 export interface InspectedSensor {
   sensor_id: string;

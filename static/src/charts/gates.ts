@@ -52,3 +52,45 @@ export function innovationWords(
     return `${length(root(columns.s_xx))}, ${length(root(columns.s_yy))} m`;
   return `${length(root(columns.s_rr))} m, ${Number(root(columns.s_bb).toPrecision(3))}°`;
 }
+
+/** How far a place is from what was expected, and how probable that was. */
+export interface Fit {
+  squaredDistance: number;
+  likelihood: number;
+  /** Of the likelihood. */
+  unit: string;
+}
+
+/** νᵀ S⁻¹ ν and the density N(ν; 0, S) of an innovation of two numbers. */
+function fitOf(
+  [a, b]: [number, number],
+  [aa, ab, bb]: [number, number, number],
+  unit: string,
+): Fit | undefined {
+  const determinant = aa * bb - ab * ab;
+  if (!(determinant > 0)) return undefined;
+  const squaredDistance = (bb * a * a - 2 * ab * a * b + aa * b * b) / determinant;
+  const likelihood = Math.exp(-squaredDistance / 2) / (2 * Math.PI * Math.sqrt(determinant));
+  return { squaredDistance, likelihood, unit };
+}
+
+/** How a detection at a place fits to what a gate expected. */
+export function fitIn({ columns }: Gates, row: number, place: { x: number; y: number }) {
+  const known = (column: (number | null)[]) => column[row] ?? 0;
+  if (columns.s_xx[row] !== null)
+    return fitOf(
+      [place.x - known(columns.x_m), place.y - known(columns.y_m)],
+      [known(columns.s_xx), known(columns.s_xy), known(columns.s_yy)],
+      "1/m²",
+    );
+  const [east, north] = [place.x - known(columns.sensor_x_m), place.y - known(columns.sensor_y_m)];
+  const range = Math.hypot(east, north);
+  const bearing = (Math.atan2(east, north) * 180) / Math.PI;
+  const turn = bearing - known(columns.bearing_deg);
+  const around = turn - 360 * Math.round(turn / 360);
+  return fitOf(
+    [range - known(columns.range_m), around],
+    [known(columns.s_rr), known(columns.s_rb), known(columns.s_bb)],
+    "1/(m·deg)",
+  );
+}

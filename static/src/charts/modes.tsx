@@ -9,7 +9,7 @@ import { Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
 import { probability } from "../format";
-import type { Clock } from "../state/clock";
+import { type Clock, indexAt } from "../state/clock";
 import { type Palette, readPalette, theme } from "../state/theme";
 import { timeAxisName, timeText } from "../times";
 import { GRID, lowerLabel, ruleAt, textStyle, tipContent, tooltip, valueAxis } from "./axes";
@@ -17,7 +17,6 @@ import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
 import { Key, type KeyMark } from "./marks";
-import { seekOnClick } from "./probability";
 
 type Point = [number, number];
 
@@ -84,6 +83,26 @@ function draw(chart: Chart, lines: Point[][], names: string[], clock: Clock): vo
   );
 }
 
+/** A click moves the clock to the scan under it. */
+function seekOnClick(chart: Chart, clock: Clock): () => void {
+  const pressed = (event: { offsetX: number; offsetY: number }) => {
+    if (!chart.containPixel("grid", [event.offsetX, event.offsetY])) return;
+    const [shown] = chart.convertFromPixel("grid", [
+      event.offsetX,
+      event.offsetY,
+    ]) as unknown as number[];
+    if (shown === undefined) return;
+    const time = shown + clock.origin;
+    const before = indexAt(clock.times, time);
+    const next = Math.min(before + 1, clock.times.length - 1);
+    clock.seek(
+      time - (clock.times[before] ?? 0) <= (clock.times[next] ?? 0) - time ? before : next,
+    );
+  };
+  chart.getZr().on("click", pressed);
+  return () => chart.getZr().off("click", pressed);
+}
+
 interface Props {
   jobId: string;
   track: string;
@@ -117,7 +136,7 @@ export function ModesChart({ jobId, track, models, clock }: Props): JSX.Element 
       tools={<Key marks={key} />}
     >
       <ChartCanvas
-        class="probability-canvas"
+        class="modes-canvas"
         label={`${title}: ${names.join(", ")}. The table shows the same numbers.`}
         keys={[lines, clock.time.value, theme.value]}
         draw={(made) => {

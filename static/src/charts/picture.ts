@@ -5,6 +5,7 @@ import { type Palette, readPalette } from "../state/theme";
 import { FONT } from "./axes";
 import type { Chart } from "./echarts";
 import { drawMark, type KeyMark, MARK_WIDTH, markSvg } from "./marks";
+import { isPainting, type Painting, toCanvas, toSvg } from "./pen";
 
 const SCALE = 2;
 const MARGIN = 14;
@@ -62,7 +63,7 @@ function compose(
 }
 
 /** What a saved picture is made from: a chart of the library, or a drawing of our own. */
-export type Source = Chart | SVGSVGElement;
+export type Source = Chart | SVGSVGElement | Painting;
 
 const INLINED = [
   ...["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "fill-opacity"],
@@ -94,11 +95,13 @@ function standalone(drawing: SVGSVGElement): { text: string; width: number; heig
 
 async function asSvg(source: Source): Promise<{ text: string; width: number; height: number }> {
   if (source instanceof SVGSVGElement) return standalone(source);
+  if (isPainting(source)) return { ...source, text: toSvg(source) };
   const { drawSvg } = await import("./twin");
   return { text: drawSvg(source), width: source.getWidth(), height: source.getHeight() };
 }
 
 async function asCanvas(source: Source): Promise<HTMLCanvasElement> {
+  if (isPainting(source)) return toCanvas(source, SCALE);
   if (!(source instanceof SVGSVGElement)) return (await import("./twin")).drawCanvas(source, SCALE);
   const { text, width, height } = standalone(source);
   const image = new Image();

@@ -10,6 +10,8 @@ import {
   getDatasetText,
   getGates,
   getPlan,
+  getPlanOfTrack,
+  getPlanWindow,
   listArtifacts,
 } from "../api/client";
 import {
@@ -22,22 +24,25 @@ import {
 } from "../api/types";
 import { bearingScene } from "../charts/bearing-scene";
 import { BearingTimeChart } from "../charts/bearing-time";
+import { type Cause, readCauses } from "../charts/causes";
 import { ClockBar } from "../charts/clock-bar";
 import { heightScene } from "../charts/height-scene";
 import { HeightTimeChart } from "../charts/height-time";
 import { type Levels, readLevels } from "../charts/levels";
 import { ModesChart } from "../charts/modes";
 import { PlanView } from "../charts/plan-view";
-import { ProbabilityChart, type Threshold } from "../charts/probability";
-import { type LocalPoint, memberName, sceneOf } from "../charts/scene";
+import { type LocalPoint, memberName, type Scene, sceneOf } from "../charts/scene";
+import { isWhole, withMore } from "../charts/whole";
 import { Empty, Link, Loading, ProblemBox } from "../components/basics";
 import { type CsvTable, parseCsv, reader } from "../components/csv";
 import { useResource } from "../components/resource";
 import { capital, plural } from "../format";
 import { type Boxes, boxesOf } from "../state/boxes";
-import { createClock } from "../state/clock";
+import { type Clock, createClock } from "../state/clock";
 import { hereHref, param } from "../state/url";
 import { Selection, TupleNote } from "./selection";
+import { Strips, useStories } from "./strips";
+import { Why } from "./why";
 
 const MOST_LOCAL_POINTS = 50_000;
 
@@ -130,8 +135,9 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
   const { plan, locals, bearings } = drawn;
   const { tfa, association } = partsOf(report);
   const models = (association?.models ?? []).map((line) => line.model);
-  const scene = useMemo(() => sceneOf(plan, locals, membersOf(report)), [plan]);
-  const clock = useMemo(() => createClock(scene.times, scene.numbers), [scene]);
+  const base = useMemo(() => sceneOf(plan, locals, membersOf(report)), [plan]);
+  const clock = useMemo(() => createClock(base.times, base.numbers), [base]);
+  const scene = useWholeScene(job, plan, base, clock);
   const directions = useMemo(() => (bearings ? bearingScene(bearings) : undefined), [bearings]);
   const heights = useMemo(() => heightScene(plan), [plan]);
   const hasPlaces = scene.truths.size + scene.tracks.size + scene.clouds.length > 0;
@@ -139,17 +145,20 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
   const gated = track && scene.tracks.has(track) && !locals.length ? track : undefined;
   const gates = useResource(
     async () => (gated ? getGates(job.id, gated) : undefined),
-    [job.id, gated, scene],
+    [job.id, gated, base],
   ).data;
+  const causes = useCauses(job, report);
   useEffect(() => clock.dispose, [clock]);
+  const hasTracks =
+    scene.tracks.size + (directions?.tracks.size ?? 0) > 0 && job.kind !== "correlate";
+  const stories = useStories(job.id, hasTracks);
   if (!scene.times.length) return <Nothing boxes={drawn.boxes} report={report} />;
-  const hasTracks = scene.tracks.size + (directions?.tracks.size ?? 0) > 0;
   const notes = [
     ...boxNotes(drawn.boxes),
     ...plan.notes.map((note) => noteText(note, bearings !== undefined)),
   ];
   return (
-    <div class="pictures">
+    <div class={`pictures${track && hasTracks ? " with-ribbons" : ""}`}>
       <div class="pictures-main">
         {bearings && directions ? (
           <BearingTimeChart
@@ -171,6 +180,9 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
           />
         )}
         <ClockBar clock={clock} />
+        {hasTracks ? (
+          <Strips job={job} report={report} clock={clock} stories={stories} causes={causes} />
+        ) : null}
         {heights ? <HeightTimeChart jobId={job.id} scene={heights} clock={clock} /> : null}
         {drawn.hasRecord ? <RecordPicture id={job.id} /> : null}
       </div>
@@ -184,14 +196,14 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
           maxMissed={maxMissedOf(report)}
         />
         <TupleNote report={report} />
-        {hasTracks && job.kind !== "correlate" ? (
-          <ProbabilityChart
-            jobId={job.id}
-            track={track}
-            thresholds={thresholdsOf(report)}
-            clock={clock}
-          />
-        ) : null}
+        <Why
+          scene={scene}
+          clock={clock}
+          story={stories.selected}
+          causes={causes}
+          gates={gates}
+          maxMissed={maxMissedOf(report)}
+        />
         {models.length && track ? (
           <ModesChart jobId={job.id} track={track} models={models} clock={clock} />
         ) : null}
@@ -200,25 +212,46 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
   );
 }
 
-/** Defaults of `undetected`, which a request may leave out as a whole. */
-const [REPORTED, RECYCLED] = [0.5, 0.1];
+const NO_CAUSES: Cause[] = [];
 
-/** The probabilities of existence at which tracks come and go, as the request says. */
-function thresholdsOf(report: Report): Threshold[] {
-  const { tracker = {} } = report.spec as { tracker?: Record<string, unknown> };
-  const { confirmation, undetected } = tracker as Record<string, Record<string, unknown>>;
-  const named =
-    tracker.method === "poisson_multi_bernoulli"
-      ? {
-          "told above": undetected?.report_existence ?? REPORTED,
-          "undetected below": undetected?.recycle_existence ?? RECYCLED,
-        }
-      : {
-          "confirmed at": confirmation?.confirm_existence,
-          "deleted at": confirmation?.delete_existence,
-        };
-  return Object.entries(named).flatMap(([name, existence]) =>
-    typeof existence === "number" ? [{ name, existence }] : [],
+/** Why things happened, of jobs that explained their events. */
+function useCauses(job: Job, report: Report): Cause[] {
+  const areThere = partsOf(report).events?.causes !== undefined;
+  const read = async () =>
+    areThere ? readCauses(await getArtifactText(job.id, "causes.csv")) : NO_CAUSES;
+  return useResource(read, [job.id]).data ?? NO_CAUSES;
+}
+
+/** Scans before the clock that are fetched whole. */
+const WHOLE_SCANS = 5;
+
+/**
+ * The scene; where the plan holds but a part of the points, with all of the selected track and of
+ * the last scans up to the clock, as soon as the clock rests.
+ */
+function useWholeScene(job: Job, plan: Plan, base: Scene, clock: Clock): Scene {
+  const isPart = useMemo(() => job.kind !== "correlate" && !isWhole(plan), [plan]);
+  const track = param("track");
+  const index = clock.playing.value ? -1 : clock.index.value;
+  const ofTrack = useResource(
+    async () => (isPart && track !== null ? getPlanOfTrack(job.id, track) : undefined),
+    [job.id, track, isPart],
+  ).data;
+  const from = base.times[Math.max(index - WHOLE_SCANS + 1, 0)];
+  const to = base.times[index];
+  const ofScans = useResource(
+    async () =>
+      isPart && from !== undefined && to !== undefined
+        ? getPlanWindow(job.id, from, to)
+        : undefined,
+    [job.id, from, to, isPart],
+  ).data;
+  return useMemo(
+    () =>
+      ofTrack || ofScans
+        ? { ...sceneOf(withMore(plan, [ofTrack, ofScans])), extent: base.extent }
+        : base,
+    [base, ofTrack, ofScans],
   );
 }
 

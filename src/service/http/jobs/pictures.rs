@@ -23,7 +23,8 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Get a series of a job
 ///
-/// `track_probability`: one row for each candidate of each track at each scan. `mode_probability`: one row for
+/// `track_probability`: one row for each candidate of each track at each scan. `association_map`: one row for each track,
+/// with how its probability was shared at each scan. `mode_probability`: one row for
 /// each motion model of each track at each scan, where the filter has several. `scan_counts`: one row for each scan.
 /// `bearing_time`: one row for each bearing of truth, detections and tracks.
 /// `gates`: one row for each track and scan, with what was expected and its covariance.
@@ -32,7 +33,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, path = "/v1/jobs/{id}/series/{name}", operation_id = "getJobSeries", tag = "results",
     params(
         ("id" = uuid::Uuid, Path, description = "Identity of the job."),
-        ("name" = String, Path, description = "`track_probability`, `mode_probability`, `scan_counts`, `bearing_time`, `gates` or `metrics`."),
+        ("name" = String, Path, description = "`track_probability`, `association_map`, `mode_probability`, `scan_counts`, `bearing_time`, `gates` or `metrics`."),
         ("from" = Option<f64>, Query, description = "First time (s)."),
         ("to" = Option<f64>, Query, description = "Last time (s)."),
         ("track" = Option<String>, Query, description = "Only this track."),
