@@ -101,8 +101,45 @@ function uploadSchema() {
   return { ...schemas.DatasetMeta, $defs: parts };
 }
 
+/** The page of one job as a file: script and style stand in it, and it may load nothing. */
+async function reportPage() {
+  const { outputFiles } = await build({
+    ...shared,
+    entryPoints: ["src/report/main.tsx", "src/report/report.css"],
+    format: "iife",
+    // The chart library is for charts that this page has not.
+    external: ["*/twin"],
+    write: false,
+    metafile: false,
+    define: { ...CONSTANTS, STREAM_WORKER: '""', UPLOAD_SCHEMA: "{}" },
+  });
+  const text = (ending) => outputFiles.find(({ path }) => path.endsWith(ending)).text;
+  const script = text(".js").replaceAll("</script", "<\\/script");
+  const digest = createHash("sha256").update(script).digest("base64");
+  const policy = `default-src 'none'; script-src 'sha256-${digest}'; style-src 'unsafe-inline'; img-src data: blob:`;
+  return `<!doctype html>
+<html lang="en">
+  <head>
+    <meta charset="utf-8">
+    <meta http-equiv="Content-Security-Policy" content="${policy}">
+    <meta name="viewport" content="width=device-width, initial-scale=1">
+    <meta name="color-scheme" content="light dark">
+    <title>trackloom report</title>
+    <style>${text(".css")}</style>
+  </head>
+  <body>
+    <div id="app"></div>
+    <noscript>The page draws its tables and pictures with the script that it carries.</noscript>
+    <script type="application/json" id="data"><!--DATA--></script>
+    <script>${script}</script>
+  </body>
+</html>
+`;
+}
+
 rmSync(dist, { recursive: true, force: true });
 mkdirSync(join(dist, "assets"), { recursive: true });
+const CONSTANTS = { "process.env.NODE_ENV": '"production"' };
 const shared = {
   absWorkingDir: here,
   bundle: true,
@@ -128,7 +165,7 @@ const { metafile } = await build({
   format: "esm",
   chunkNames: "[name]-[hash]",
   define: {
-    "process.env.NODE_ENV": '"production"',
+    ...CONSTANTS,
     STREAM_WORKER: JSON.stringify(workerPath),
     UPLOAD_SCHEMA: JSON.stringify(uploadSchema()),
   },
@@ -138,3 +175,4 @@ writeFileSync(
   page(output(metafile, "src/main.tsx", ".js"), output(metafile, "src/styles/main.css", ".css")),
 );
 writeFileSync(join(dist, "licenses.txt"), licences(metafile));
+writeFileSync(join(dist, "report.html"), await reportPage());

@@ -9,6 +9,7 @@ mod demo;
 mod files;
 mod inspect;
 mod reading;
+mod report;
 mod run;
 mod size;
 mod table;
@@ -44,6 +45,8 @@ enum Command {
     Run(run::RunArguments),
     /// Hold one result against another, pair by pair, and say which is better
     Compare(compare::CompareArguments),
+    /// Make one page of what a run left, which needs no service and no network
+    Report(report::ReportArguments),
     /// Read a file of detections, truth or tracks, and write it in another format
     Convert(convert::ConvertArguments),
     /// Say what a file holds, how its units fared, what seems wrong, and which job to start from
@@ -218,6 +221,7 @@ pub fn main() -> ExitCode {
         Command::Worker(arguments) => blocking(crate::service::server::work(arguments.config())),
         Command::Run(arguments) => return run::run(&arguments),
         Command::Compare(arguments) => return compare::run(&arguments),
+        Command::Report(arguments) => return report::run(&arguments),
         Command::Convert(arguments) => return convert::convert(&arguments),
         Command::Inspect(arguments) => return inspect::run(&arguments),
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),

@@ -13,6 +13,8 @@ use rust_embed::RustEmbed;
 struct Files;
 
 const INDEX: &str = "index.html";
+/// The page for files of their own, with a place for the data of a job.
+const REPORT: &str = "report.html";
 /// Files with a hash in their name: another content has another name.
 const HASHED: &str = "assets/";
 /// Paths that never belong to the dashboard.
@@ -38,6 +40,12 @@ pub fn answer(path: &str, headers: &HeaderMap) -> Option<Response> {
     }
     let name = path.trim_start_matches('/');
     file(name, headers).or_else(|| is_navigation(path, headers).then(|| page(headers)))
+}
+
+/// The page that shows one job as a file; `None` where the program was built without the dashboard.
+pub fn report_template() -> Option<String> {
+    let file = Files::get(REPORT)?;
+    String::from_utf8(file.data.into_owned()).ok()
 }
 
 fn file(name: &str, headers: &HeaderMap) -> Option<Response> {

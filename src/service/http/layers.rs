@@ -164,7 +164,8 @@ async fn finish(request: Request, next: Next) -> Response {
         );
     }
     for (name, value) in SECURITY {
-        response.headers_mut().insert(name, value);
+        // A page for files of its own has a narrower policy.
+        response.headers_mut().entry(name).or_insert(value);
     }
     response
 }

@@ -5,7 +5,7 @@ mod body;
 mod catalogue;
 mod compare;
 pub(super) mod conditional;
-mod dashboard;
+pub mod dashboard;
 mod datasets;
 mod error;
 mod extract;

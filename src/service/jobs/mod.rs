@@ -10,6 +10,7 @@ mod inputs;
 mod open;
 mod read;
 mod recent;
+mod report_page;
 mod request;
 mod runner;
 mod submit;

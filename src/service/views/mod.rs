@@ -13,6 +13,7 @@ mod origins;
 pub mod plan;
 pub mod preview;
 mod reduction;
+pub mod report_page;
 pub mod series;
 
 pub use reduction::{DEFAULT_MAX_POINTS, Density, Method, Reduced};

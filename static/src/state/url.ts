@@ -47,9 +47,18 @@ function search(of: URLSearchParams): string {
 export function setParams(patch: Patch, history: "push" | "replace" = "replace"): void {
   const next = patched(params.peek(), patch);
   if (next.toString() === params.peek().toString()) return;
-  if (history === "push") window.history.pushState(null, "", search(next));
-  else window.history.replaceState(null, "", search(next));
+  write(search(next), history);
   params.value = next;
+}
+
+/** A page that is a file of its own may have no address to write. */
+function write(address: string, history: "push" | "replace"): void {
+  try {
+    if (history === "push") window.history.pushState(null, "", address);
+    else window.history.replaceState(null, "", address);
+  } catch {
+    // what is shown follows the parameters, not the address
+  }
 }
 
 /** The address of another page: only what `patch` says, and the theme. */

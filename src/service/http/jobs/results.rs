@@ -1,22 +1,24 @@
 //! What a job found: its report and its files.
 
 use super::super::conditional;
+use super::super::dashboard;
 use super::super::datasets;
 use super::super::extract::{Id, IdAndName, Question};
 use super::super::query::{NoParams, Params};
 use super::super::state::{AppState, FileContent};
-use crate::service::http::error::ApiResult;
+use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::{ArtifactList, CampaignSoFar, Report};
 use axum::Json;
 use axum::extract::State;
-use axum::http::HeaderMap;
-use axum::response::IntoResponse;
+use axum::http::{HeaderMap, header};
+use axum::response::{Html, IntoResponse};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
         .routes(routes!(get_job_report))
+        .routes(routes!(get_job_report_page))
         .routes(routes!(list_job_artifacts))
         .routes(routes!(download_job_artifact))
         .routes(routes!(get_campaign_cells))
@@ -33,6 +35,28 @@ async fn get_job_report(asked: Question) -> ApiResult {
     let (State(app), Id(id), _, headers) = asked;
     conditional::stored(&headers, app.jobs.report(id).await?, false).await
 }
+
+/// Get the report of a job as one page
+///
+/// One HTML file that needs no service and no network: verdicts, limits, metrics, plan, track probabilities and the sentence of each
+/// event. Its size is bounded, and the page says what was left out. Refused as the report is.
+#[utoipa::path(get, path = "/v1/jobs/{id}/report.html", operation_id = "getJobReportPage", tag = "results",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
+    responses((status = 200, description = "The page.", content_type = "text/html", body = String)))]
+async fn get_job_report_page(State(app): State<AppState>, Id(id): Id, _: NoParams) -> ApiResult {
+    let template = dashboard::report_template().ok_or_else(|| {
+        let detail = "this program was built without its dashboard, which the page is made of";
+        ApiError::new("not_found", detail)
+    })?;
+    let page = app.jobs.report_page(id, template).await?;
+    let mut response = Html(page).into_response();
+    conditional::set(&mut response, header::CONTENT_SECURITY_POLICY, PAGE_POLICY);
+    Ok(response)
+}
+
+/// The page carries its script and its style, and reaches nothing.
+const PAGE_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
+     img-src data: blob:; sandbox allow-scripts allow-downloads allow-modals; frame-ancestors 'none'";
 
 /// Get the cells of a campaign
 ///
