@@ -116,7 +116,8 @@ async function reportPage() {
   const text = (ending) => outputFiles.find(({ path }) => path.endsWith(ending)).text;
   const script = text(".js").replaceAll("</script", "<\\/script");
   const digest = createHash("sha256").update(script).digest("base64");
-  const policy = `default-src 'none'; script-src 'sha256-${digest}'; style-src 'unsafe-inline'; img-src data: blob:`;
+  const sources = "style-src 'unsafe-inline'; img-src data: blob:";
+  const policy = `default-src 'none'; script-src 'sha256-${digest}'; ${sources}`;
   return `<!doctype html>
 <html lang="en">
   <head>

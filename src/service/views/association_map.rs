@@ -153,21 +153,28 @@ impl<'a> Row<'a> {
     }
 
     fn told(&self, time_s: &[f64]) -> AssociationMapRow {
-        let place = |time: f64| time_s.partition_point(|known| *known < time) as u32;
+        let times = self.points.iter().map(|(time, _)| *time);
         let share = |of: fn(&Shares) -> f64| {
-            let thousandths = |(_, shares): &(f64, Shares)| (1000.0 * of(shares)).round() as u16;
-            self.points.iter().map(thousandths).collect()
+            let shares = self.points.iter().map(|(_, shares)| of(shares));
+            shares
+                .map(|share| (1000.0 * share).round() as u16)
+                .collect()
         };
         AssociationMapRow {
             track_id: self.track_id.to_owned(),
             truth_id: self.truth_id.map(str::to_owned),
             doubt: self.doubt,
-            at: self.points.iter().map(|(time, _)| place(*time)).collect(),
+            at: times.map(|time| place_in(time_s, time)).collect(),
             own: share(|shares| shares.own),
             other: share(|shares| shares.other),
             clutter: share(|shares| shares.clutter),
         }
     }
+}
+
+/// Index of a time among those that are known.
+fn place_in(time_s: &[f64], time: f64) -> u32 {
+    time_s.partition_point(|known| *known < time) as u32
 }
 
 /// The target whose detections got most of a track's probability; of equals the one that it was given first.

@@ -9,7 +9,7 @@ use super::modes::{self, ModeProbabilitySeries};
 use super::origins::Origins;
 use super::{Method, Reduced, Window, detection_id, points, scans};
 use crate::model::scan::Recording;
-use crate::model::track::{TrackSet, TrackStatus};
+use crate::model::track::{Candidate, TrackPoint, TrackSet, TrackStatus};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -160,18 +160,12 @@ pub(super) fn track_probability(layers: &JobLayers, window: &Window) -> TrackPro
         numbers.get(&(point.time_s.to_bits(), sensor_id)).copied()
     };
     let origins = Origins::of(layers, set);
-    let truth_of = |row: usize| {
-        let origins = origins.as_ref()?;
-        let (_, point, candidate) = rows[row];
-        let target = origins.target(point, candidate)?;
-        Some(origins.name(target).to_owned())
-    };
     let columns = TrackProbabilityColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
         scan: kept.column(scan_of),
         track_id: kept.column(|row| rows[row].0.to_owned()),
         detection_id: kept.column(|row| detection_id(set, rows[row].2)),
-        truth_id: kept.column(truth_of),
+        truth_id: kept.column(|row| truth_of(origins.as_ref(), rows[row].1, rows[row].2)),
         probability: kept.column(|row| rows[row].2.probability),
         status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
         nis: kept.column(|row| rows[row].1.nis),
@@ -186,6 +180,17 @@ pub(super) fn track_probability(layers: &JobLayers, window: &Window) -> TrackPro
         returned_points: kept.rows.len(),
         method: kept.method,
     }
+}
+
+/// Name of the target that a candidate came from.
+fn truth_of(
+    origins: Option<&Origins>,
+    point: &TrackPoint,
+    candidate: &Candidate,
+) -> Option<String> {
+    let origins = origins?;
+    let target = origins.target(point, candidate)?;
+    Some(origins.name(target).to_owned())
 }
 
 /// Numbers of the scans by time and sensor; by time alone under the sensor `None`, for tracks that do not name one.

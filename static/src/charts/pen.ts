@@ -150,8 +150,9 @@ class SvgPen implements Pen {
   text(text: string, x: number, y: number, look: TextLook): void {
     const font = `font-size="${look.size ?? 11}" font-weight="${look.weight ?? 400}"`;
     const place = `x="${short(x)}" y="${short(y)}" text-anchor="${look.anchor ?? "start"}"`;
+    const middle = 'dominant-baseline="middle"';
     this.pieces.push(
-      `<text ${place} ${font} fill="${look.color}" dominant-baseline="middle">${escaped(text)}</text>`,
+      `<text ${place} ${font} fill="${look.color}" ${middle}>${escaped(text)}</text>`,
     );
   }
 

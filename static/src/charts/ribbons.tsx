@@ -88,7 +88,9 @@ export function Ribbons(props: Props): JSX.Element {
   const key = (of: Palette) => ribbonKey(ribbons, thresholds, of);
   const title = props.title ?? `Association probability, ${namesOf(ribbons)}`;
   const scans = ribbons.reduce((sum, { story }) => sum + story.steps.length, 0);
-  const label = `Association probability of track ${namesOf(ribbons)} over time, ${scans} scans. The table shows the same numbers.`;
+  const label =
+    `Association probability of track ${namesOf(ribbons)} over time, ${scans} scans. ` +
+    "The table shows the same numbers.";
   return (
     <ChartFrame
       title={title}

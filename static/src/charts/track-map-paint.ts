@@ -61,7 +61,7 @@ let made:
   | { key: string; map: AssociationMap; rows: AssociationMapRow[]; image: HTMLCanvasElement }
   | undefined;
 
-/** A pixel a column of the screen and track; the last one is kept, since the clock moves over it. */
+/** A pixel a column of the screen and track; the last is kept, since the clock moves over it. */
 function imageOf({ map, rows, band, palette }: MapProps): HTMLCanvasElement {
   const columns = Math.max(Math.round(band.right - band.left), 1);
   const key = [columns, band.from, band.to, palette.surface].join(" ");

@@ -78,7 +78,9 @@ export function TrackMap({ map, clock, file }: Props): JSX.Element | null {
   const badge = shown
     ? `Shown: ${count(rows.length)} of ${count(map.source_tracks)} tracks`
     : undefined;
-  const label = `Probability of ${rows.length} tracks over ${clock.times.length} scans, a row a track. The table shows the same numbers.`;
+  const label =
+    `Probability of ${rows.length} tracks over ${clock.times.length} scans, a row a track. ` +
+    "The table shows the same numbers.";
   return (
     <ChartFrame
       title="All tracks"

@@ -1,5 +1,5 @@
-// Of a job that is too large to be drawn whole the plan holds a part of the points. What is selected
-// and the scans about the clock are fetched whole and put into it.
+// Of a job that is too large to be drawn whole the plan holds a part of the points. What is
+// selected and the scans about the clock are fetched whole and put into it.
 
 import type { Cell, Columns, Plan } from "../api/types";
 

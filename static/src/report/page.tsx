@@ -86,7 +86,11 @@ function Pictures({ data, scene, clock, causes }: PicturesProps): JSX.Element {
   );
   void theme.value;
   const palette = readPalette();
-  const label = `Plan with ${plural(scene.truths.size, "target")} and ${plural(scene.tracks.size, "track")}.`;
+  const [targets, tracks] = [
+    plural(scene.truths.size, "target"),
+    plural(scene.tracks.size, "track"),
+  ];
+  const label = `Plan with ${targets} and ${tracks}.`;
   const [trail, first] = [Number(param("trail")), -Infinity];
   const plan = (width: number) =>
     planPainting({

@@ -119,12 +119,13 @@ export function Limits({ report }: { report: Report }): JSX.Element | null {
 
 export function Verdicts({ tfa, origin }: { tfa: Tfa; origin: number }): JSX.Element {
   const failures = tfa.targets.filter(({ verdict }) => verdict !== "correct");
+  const targets = count(tfa.counts.targets);
   return (
     <section class="panel">
       <h2>Verdicts</h2>
       <p>
         {count(tfa.counts.correct)} correct, {count(tfa.counts.missed)} missed,{" "}
-        {count(tfa.counts.false)} false of {count(tfa.counts.targets)} targets; correct per target{" "}
+        {count(tfa.counts.false)} false of {targets} targets; correct per target{" "}
         {probability(tfa.ratios.correct_per_target)}.
       </p>
       {failures.length ? (
