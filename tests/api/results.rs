@@ -374,7 +374,7 @@ async fn windows_and_series_that_make_no_sense_are_refused() {
     let api = Api::start().await;
     let base = evaluated(&api).await;
     let answer: Answer = api.get(&format!("{base}/series/happiness")).await;
-    let detail = "there is no series 'happiness'; there are track_probability, mode_probability, scan_counts, bearing_time, gates, metrics";
+    let detail = "there is no series 'happiness'; there are track_probability, association_map, mode_probability, scan_counts, bearing_time, gates, metrics";
     assert_eq!(
         answer.problem(),
         problem("not_found", 404, "There is no such thing", detail)
