@@ -86,6 +86,16 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "Look at the job that the detail names. When it has succeeded, submit this one anew.",
     ),
     (
+        "session_closed",
+        "The session was closed, or its tracker failed: the session itself says which.",
+        "Begin another session. What a closed one took is the dataset that it names.",
+    ),
+    (
+        "session_elsewhere",
+        "Several processes share the database, and another one has the session.",
+        "Ask the process whose address is told. When it has gone, any other takes the session over within 15 seconds.",
+    ),
+    (
         "gone",
         "It was here and has been deleted.",
         "Upload the dataset or run the job anew.",
@@ -121,6 +131,11 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "Take a new key for a new request.",
     ),
     (
+        "session_full",
+        "Scans that were pushed before still wait to be written and taken, as many as a session holds.",
+        "Push again after the time in Retry-After, and push several scans at once.",
+    ),
+    (
         "internal",
         "Something went wrong inside the service that is no fault of the request.",
         "Try again. If it stays, the log of the service tells more under the request id of the answer.",
@@ -134,21 +149,6 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "crashed",
         "The process that ran the job died, also when it ran alone, most likely because the system was short of memory.",
         "Give the machine more memory, or the job less data.",
-    ),
-    (
-        "session_full",
-        "Scans that were pushed before still wait to be written and taken, as many as a session holds.",
-        "Push again after the time in Retry-After, and push several scans at once.",
-    ),
-    (
-        "session_closed",
-        "The session was closed, or its tracker failed: the session itself says which.",
-        "Begin another session. What a closed one took is the dataset that it names.",
-    ),
-    (
-        "session_elsewhere",
-        "Several processes share the database, and another one has the session.",
-        "Ask the process whose address is told. When it has gone, any other takes the session over within 15 seconds.",
     ),
     (
         "queue_full",
