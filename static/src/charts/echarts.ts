@@ -8,7 +8,7 @@ import {
   type ScatterSeriesOption,
 } from "echarts/charts";
 import {
-  DataZoomComponent,
+  DataZoomInsideComponent,
   GridComponent,
   MarkLineComponent,
   TooltipComponent,
@@ -22,7 +22,7 @@ use([
   ScatterChart,
   GridComponent,
   TooltipComponent,
-  DataZoomComponent,
+  DataZoomInsideComponent,
   MarkLineComponent,
   CanvasRenderer,
 ]);

@@ -8,7 +8,7 @@ pub async fn track(url: &str) -> Result<i64, Box<dyn std::error::Error>> {
     let (file, name) = (std::fs::read("detections.csv")?, "trial 7".parse()?);
     let dataset = client
     .upload_raw_dataset(
-        None, None, None, None, None, None, None,
+        None, None, None, None, None, None, None, None,
         None, None, None, None, None, None, None,
         Some(&name), None, None, None, None, None,
         None, None, None, None, None,

@@ -39,7 +39,7 @@ async fn upload(client: &Client, data: &str, name: &str, kind: UploadRawDatasetK
     let name = name.parse()?;
     Ok(client
         .upload_raw_dataset(
-            None, None, None, None, None, None, None,
+            None, None, None, None, None, None, None, None,
             None, None, None, None, Some(kind), None, None, Some(&name),
             None, None, None, None, None,
             None, None, None, None, None, bytes,
