@@ -117,7 +117,15 @@ mod tests {
     fn headlines_agree_with_their_metrics_and_names_are_those_of_quantities() {
         let scene = main_scene(10.0);
         let mut known = BTreeSet::from(
-            ["correct", "missed", "false", "z_rmse", "bearing_rmse"].map(str::to_owned),
+            [
+                "correct",
+                "missed",
+                "false",
+                "z_rmse",
+                "bearing_rmse",
+                "bearing_95",
+            ]
+            .map(str::to_owned),
         );
         for method in crate::evaluation::metrics::METRICS {
             let report = evaluate(method.name, json!({}), std::slice::from_ref(&scene));
