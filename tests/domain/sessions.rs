@@ -89,7 +89,8 @@ fn entry(scan: &Value, scene: &Scene) -> Entry {
 
 fn push(session: &mut Session, scan: &Value) -> EntryFate {
     let entry = entry(scan, &session.scene().clone());
-    match session.check(entry, &[]).unwrap() {
+    let checked = session.checking().check(entry).unwrap();
+    match checked {
         Checked::New(entry) => session.take(entry).unwrap(),
         Checked::Duplicate => EntryFate::Duplicate,
     }
@@ -326,7 +327,7 @@ fn faults_are_told_all_together_and_nothing_is_taken() {
     let mut session = Session::new(scene.clone());
     push(&mut session, &scans(1, 1)[0]);
     let far = json!({"sensor_id": "plots", "time_s": 1.8e9});
-    let fault = session.check(entry(&far, &scene), &[]).unwrap_err();
+    let fault = session.checking().check(entry(&far, &scene)).unwrap_err();
     assert_eq!(
         (fault.code.as_str(), fault.pointer.as_str()),
         ("out_of_range", "/time_s")

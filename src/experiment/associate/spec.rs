@@ -1,17 +1,15 @@
 //! The body of a job that tracks, and its type.
 
-use crate::association::ASSOCIATOR;
 use crate::detection::Detector;
 use crate::experiment::limits::LIMITS;
 use crate::experiment::request::fields::{
-    DATA, DEFAULT_ASSOCIATOR, DEFAULT_FILTER, DETECTOR, INPUT, JOB_NAME, LABELS, SEED, SENSORS,
+    ASSOCIATOR_FIELD, DATA, DETECTOR, FILTER_FIELD, INPUT, JOB_NAME, LABELS, SEED, SENSORS,
+    TRACKER_FIELD,
 };
 use crate::experiment::request::methods::TrackingSpec;
 use crate::experiment::request::sources::InputSpec;
-use crate::filtering::FILTER;
 use crate::model::sensor::SensorSettings;
-use crate::registry::{Kind, Object, default, optional, required};
-use crate::tracking::LIFECYCLE;
+use crate::registry::{Kind, Object, optional, required};
 use serde::Deserialize;
 
 pub static ASSOCIATE: Object = Object {
@@ -34,24 +32,9 @@ pub static ASSOCIATE: Object = Object {
             Kind::Union(&DATA),
         ),
         SENSORS,
-        default(
-            "associator",
-            "How detections are given to tracks.",
-            Kind::Union(&ASSOCIATOR),
-            DEFAULT_ASSOCIATOR,
-        ),
-        default(
-            "filter",
-            "How tracks are predicted and updated.",
-            Kind::Union(&FILTER),
-            DEFAULT_FILTER,
-        ),
-        default(
-            "tracker",
-            "Gate and life cycle.",
-            Kind::Object(&LIFECYCLE),
-            "{}",
-        ),
+        ASSOCIATOR_FIELD,
+        FILTER_FIELD,
+        TRACKER_FIELD,
     ],
 };
 

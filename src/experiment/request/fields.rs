@@ -2,10 +2,13 @@
 
 use super::scenario::SCENARIO;
 use super::sight;
+use crate::association::ASSOCIATOR;
+use crate::filtering::FILTER;
 use crate::registry::{
     Field, Kind, Object, Union, Variant, above, default, list, number, optional, required,
     text_map, variant, whole,
 };
+use crate::tracking::LIFECYCLE;
 
 /// Limits that keep a job within one machine.
 pub const MAX_SCANS: i64 = 100_000;
@@ -236,6 +239,25 @@ pub const SENSORS: Field = optional(
     "sensors",
     "Settings of the recording's sensors, by name.",
     list(&ONE_SENSOR, 1, 64),
+);
+
+pub const ASSOCIATOR_FIELD: Field = default(
+    "associator",
+    "How detections are given to tracks.",
+    Kind::Union(&ASSOCIATOR),
+    DEFAULT_ASSOCIATOR,
+);
+pub const FILTER_FIELD: Field = default(
+    "filter",
+    "How tracks are predicted and updated.",
+    Kind::Union(&FILTER),
+    DEFAULT_FILTER,
+);
+pub const TRACKER_FIELD: Field = default(
+    "tracker",
+    "Gate and life cycle.",
+    Kind::Object(&LIFECYCLE),
+    "{}",
 );
 
 pub const DEFAULT_ASSOCIATOR: &str = r#"{"method":"nearest_neighbour"}"#;

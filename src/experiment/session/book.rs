@@ -33,6 +33,12 @@ pub struct Book {
     pub news: Vec<SessionEvent>,
 }
 
+impl Line {
+    fn is_confirmed(&self) -> bool {
+        self.status != TrackStatus::Tentative
+    }
+}
+
 /// Takes down one scan.
 pub struct Taking<'a> {
     pub book: &'a mut Book,
@@ -111,7 +117,6 @@ impl Book {
 
     /// What is otherwise than in an earlier book, as events.
     pub fn differences(&self, earlier: &Book, time_s: f64) -> Vec<SessionEvent> {
-        let is_confirmed = |line: &Line| line.status != TrackStatus::Tentative;
         let mut events = Vec::new();
         for (&serial, line) in &self.lines {
             let before = earlier.lines.get(&serial);
@@ -119,7 +124,7 @@ impl Book {
                 let started = SessionEventKind::Started;
                 events.push(SessionEvent::of_track(started, line.started_s, serial));
             }
-            if is_confirmed(line) && !before.is_some_and(is_confirmed) {
+            if line.is_confirmed() && !before.is_some_and(Line::is_confirmed) {
                 let confirmed = SessionEventKind::Confirmed;
                 events.push(SessionEvent::of_track(confirmed, time_s, serial));
             }
@@ -136,12 +141,19 @@ impl Book {
         events
     }
 
+    /// Tracks that live, and those of them that are confirmed.
+    pub fn count(&self) -> (usize, usize) {
+        let lines = self.lines.values();
+        let confirmed = lines.filter(|line| line.is_confirmed()).count();
+        (self.lines.len(), confirmed)
+    }
+
     /// The youngest tentative tracks, as many as are too many.
     pub fn surplus(&self, most: usize) -> Vec<u32> {
         let surplus = self.lines.len().saturating_sub(most);
         let tentative = self.lines.iter().rev();
         tentative
-            .filter(|(_, line)| line.status == TrackStatus::Tentative)
+            .filter(|(_, line)| !line.is_confirmed())
             .take(surplus)
             .map(|(&serial, _)| serial)
             .collect()

@@ -76,6 +76,14 @@ impl Feed {
     }
 }
 
+/// The time of everything that was heard; `None` before anything was.
+pub fn newest_s(feeds: &[Feed]) -> Option<f64> {
+    feeds
+        .iter()
+        .filter_map(|feed| feed.newest_s)
+        .reduce(f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

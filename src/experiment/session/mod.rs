@@ -2,6 +2,7 @@
 //! writes it down now and then can make it again, to the bit.
 
 mod book;
+mod checking;
 mod entry;
 mod events;
 mod feeds;
@@ -15,6 +16,7 @@ mod told;
 mod trails;
 mod written;
 
+pub use checking::{Checked, Checking};
 pub use entry::{Entry, PUSHED_SCAN, PushedScan, read_scan};
 pub use events::{SessionEvent, SessionEventKind};
 pub use recording::SessionRecording;
@@ -40,15 +42,6 @@ pub struct Session {
     trails: Trails,
     events: EventRing,
     counts: SessionCounts,
-}
-
-/// What becomes of an entry before it is in the log.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Checked {
-    /// It is to be written to the log, then taken.
-    New(Entry),
-    /// It has come before.
-    Duplicate,
 }
 
 /// What became of an entry.
@@ -81,53 +74,18 @@ impl Session {
         }
     }
 
-    /// Looks at an entry that is not in the log yet, and gives its scan a number. `before` are entries that were looked at and will
-    /// be taken first.
-    ///
-    /// # Errors
-    /// A time too far ahead; a track that does not live.
-    pub fn check(&self, entry: Entry, before: &[Entry]) -> Result<Checked, Fault> {
-        let scan = match entry {
-            Entry::End { track_id } => {
-                let lives =
-                    serial_of(&track_id).is_some_and(|it| self.line.book.lines.contains_key(&it));
-                if !lives {
-                    let detail = format!("no track '{track_id}' lives");
-                    return Err(Fault::new("", "not_found", detail));
-                }
-                return Ok(Checked::New(Entry::End { track_id }));
-            }
-            Entry::Scan(scan) => scan,
-        };
-        let Some(sensor) = self.scene.sensor_index(&scan.sensor_id) else {
-            let detail = format!("the session has no sensor '{}'", scan.sensor_id);
-            return Err(Fault::new("/sensor_id", "unknown_value", detail));
-        };
-        let mut feed = self.feeds[sensor].clone();
-        let mut newest_s = self.newest_s();
-        for entry in before {
-            if let Entry::Scan(other) = entry {
-                newest_s =
-                    Some(newest_s.map_or(other.time_s, |newest_s| newest_s.max(other.time_s)));
-                if other.sensor_id == scan.sensor_id {
-                    feed.admit(other.sequence);
-                }
-            }
+    /// For looking at entries that are not in the log yet, in their order.
+    pub fn checking(&self) -> Checking<'_> {
+        Checking {
+            session: self,
+            feeds: self.feeds.clone(),
         }
-        let ahead_s = newest_s.map_or(0.0, |newest_s| scan.time_s - newest_s);
-        let most_s = self.scene.rules().max_gap_s;
-        if ahead_s > most_s {
-            let detail = format!("the scan is {ahead_s} s later than the last");
-            let allowed = format!("at most {most_s} s (max_gap_s)");
-            return Err(Fault::new("/time_s", "out_of_range", detail).allowing(allowed));
-        }
-        match feed.admit(scan.sequence) {
-            Admission::Duplicate => Ok(Checked::Duplicate),
-            Admission::New { sequence, .. } => Ok(Checked::New(Entry::Scan(PushedScan {
-                sequence: Some(sequence),
-                ..scan
-            }))),
-        }
+    }
+
+    /// Whether a track lives.
+    pub fn lives(&self, track_id: &str) -> bool {
+        let lines = &self.line.book.lines;
+        serial_of(track_id).is_some_and(|serial| lines.contains_key(&serial))
     }
 
     /// Takes an entry that is in the log.
@@ -174,9 +132,6 @@ impl Session {
             self.order.release(&self.feeds, &mut course)?;
             return Ok(EntryFate::Taken);
         }
-        let before = (self.scene.rules().late == LatePolicy::Replay
-            && course.line.last.is_some_and(|last| time_s <= last.time_s))
-        .then(|| course.line.book.clone());
         let fate = self
             .order
             .take(Kept { sensor, scan }, &self.feeds, course)?;
@@ -190,23 +145,13 @@ impl Session {
                 self.tell_of_feed(SessionEventKind::LateDropped, time_s, sensor, None);
                 Ok(EntryFate::LateDropped)
             }
-            Fate::Replayed(again) => {
+            Fate::Replayed { again, before } => {
                 self.counts.replayed += 1;
-                self.tell_of_feed(
-                    SessionEventKind::Revised,
-                    time_s,
-                    sensor,
-                    Some(again as u64),
-                );
-                self.line.book.news.clear();
+                let kind = SessionEventKind::Revised;
+                self.tell_of_feed(kind, time_s, sensor, Some(again as u64));
                 let now_s = self.line.last.map_or(time_s, |last| last.time_s);
-                for event in self
-                    .line
-                    .book
-                    .differences(&before.unwrap_or_default(), now_s)
-                {
-                    self.events.push(event);
-                }
+                // In the place of what was told of these scans once more.
+                self.line.book.news = self.line.book.differences(&before, now_s);
                 Ok(EntryFate::Replayed)
             }
         }
@@ -241,20 +186,12 @@ impl Session {
         sensor: usize,
         count: Option<u64>,
     ) {
-        let sensor_id = self.scene.sensor_ids()[sensor].to_owned();
+        let sensor_id = self.scene.sensor_ids()[sensor].clone();
         self.events.push(SessionEvent {
             sensor_id: Some(sensor_id),
             count,
             ..SessionEvent::plain(kind, time_s)
         });
-    }
-
-    /// Of everything that was heard.
-    fn newest_s(&self) -> Option<f64> {
-        let heard = self.feeds.iter().filter_map(|feed| feed.newest_s);
-        heard.fold(None, |newest: Option<f64>, time_s| {
-            Some(newest.map_or(time_s, |newest_s| newest_s.max(time_s)))
-        })
     }
 
     pub fn scene(&self) -> &Arc<Scene> {

@@ -8,7 +8,8 @@
 //!   many there are. A late scan takes the newest copy before it, and the scans since are taken again: exact for every tracker,
 //!   at the cost of those scans. A scan before the oldest copy is dropped.
 
-use super::feeds::Feed;
+use super::book::Book;
+use super::feeds::{Feed, newest_s};
 use super::line::{Kept, Key, Line};
 use super::scene::Scene;
 use super::spec::LatePolicy;
@@ -32,14 +33,16 @@ pub struct InWindow {
 }
 
 /// What became of a scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fate {
     /// It was taken, and so many others with it.
     Taken,
     Waiting,
     Dropped,
-    /// It was put before so many scans that had been taken.
-    Replayed(usize),
+    /// It was put before so many scans that had been taken, after which this had been known.
+    Replayed {
+        again: usize,
+        before: Book,
+    },
 }
 
 /// Everything that a scan can change.
@@ -97,8 +100,7 @@ impl Order {
     /// As [`Order::take`].
     pub fn release(&mut self, feeds: &[Feed], course: &mut Course) -> Result<(), Box<Fault>> {
         let rules = *course.scene.rules();
-        let newest_s = feeds.iter().filter_map(|feed| feed.newest_s);
-        let newest_s = newest_s.fold(f64::NEG_INFINITY, f64::max);
+        let newest_s = newest_s(feeds).unwrap_or(f64::NEG_INFINITY);
         while let Some(first) = self.waiting.front() {
             let time_s = first.scan.time_s;
             let is_heard = |feed: &Feed| feed.newest_s.is_some_and(|newest_s| newest_s >= time_s);
@@ -144,16 +146,14 @@ impl Order {
             return Ok(Fate::Dropped);
         }
         let first = self.newest_copy(place);
-        let again = self.window.split_off(first);
-        let count = self.window.len() + again.len() - place;
-        let mut again = again.into_iter().peekable();
-        if let Some(copy) = again.peek_mut().and_then(|entry| entry.before.take()) {
-            *course.line = *copy;
-        }
-        let from_s = again
-            .peek()
-            .map_or(key.time_s, |entry| entry.kept.scan.time_s);
+        let Some(copy) = self.window[first].before.take() else {
+            return Ok(Fate::Dropped);
+        };
+        let before = std::mem::replace(course.line, *copy).book;
+        let from_s = self.window[first].kept.scan.time_s;
         course.trails.cut(from_s.min(key.time_s));
+        let count = self.window.len() - place;
+        let again = self.window.split_off(first);
         let mut late = Some(kept);
         for entry in again {
             if let Some(kept) = late.take_if(|kept| kept.key() < entry.kept.key()) {
@@ -164,7 +164,10 @@ impl Order {
         if let Some(kept) = late {
             self.append(kept, course)?;
         }
-        Ok(Fate::Replayed(count))
+        Ok(Fate::Replayed {
+            again: count,
+            before,
+        })
     }
 
     /// Whether there is a copy of the tracker before this.

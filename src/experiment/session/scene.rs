@@ -32,6 +32,8 @@ pub struct Scene {
     sensors: Vec<Sensor>,
     reports: Vec<Reports>,
     sensor_ids: Vec<String>,
+    /// Of the associator.
+    needs: Needs,
     /// The request with its defaults and the filter that was chosen.
     pub spec: Value,
     /// What a user should know.
@@ -39,6 +41,8 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Of a request, also of one that was planned before.
+    ///
     /// # Errors
     /// All faults of the request.
     pub fn plan(body: &Value) -> Result<Scene, Vec<Fault>> {
@@ -62,14 +66,6 @@ impl Scene {
         Ok(Scene { spec, ..scene })
     }
 
-    /// Of a request that was planned before.
-    ///
-    /// # Errors
-    /// Faults of a request that another version took.
-    pub fn again(spec: &Value) -> Result<Scene, Vec<Fault>> {
-        Scene::plan(spec)
-    }
-
     fn resolve(typed: Spec, spec: &mut Value) -> Result<Scene, Vec<Fault>> {
         let sample = sample_of(&typed.sensors, typed.origin)?;
         let settled = settle(&typed.tracking, &sample);
@@ -88,7 +84,8 @@ impl Scene {
         faults.extend(unbounded_gate(&typed.tracking.tracker.lifecycle, &resolved));
         faults.extend(nothing_starts(&typed.tracking.tracker.lifecycle, &resolved));
         faults.extend(unstated_speed(&typed.tracking, &filter));
-        if needs_of(&typed.tracking.associator).is_by_origin() {
+        let needs = needs_of(&typed.tracking.associator);
+        if needs.is_by_origin() {
             let detail = "nobody knows which target a live detection comes from";
             faults.push(Fault::new("/associator/method", "unsupported", detail));
         }
@@ -107,6 +104,7 @@ impl Scene {
             sensors: resolved,
             reports: typed.sensors.iter().filter_map(Reports::of).collect(),
             sensor_ids: typed.sensors.into_iter().map(|one| one.sensor_id).collect(),
+            needs,
             spec: Value::Null,
             warnings,
         })
@@ -146,8 +144,8 @@ impl Scene {
         self.filter.filter.space()
     }
 
-    pub fn sensor_ids(&self) -> Vec<&str> {
-        self.sensor_ids.iter().map(String::as_str).collect()
+    pub fn sensor_ids(&self) -> &[String] {
+        &self.sensor_ids
     }
 
     pub fn sensor_index(&self, sensor_id: &str) -> Option<usize> {
@@ -163,7 +161,7 @@ impl Scene {
     }
 
     pub fn needs_amplitudes(&self) -> bool {
-        needs_of(&self.tracking.associator) == Needs::Amplitudes
+        self.needs == Needs::Amplitudes
     }
 }
 

@@ -1,16 +1,13 @@
 //! What a live session is asked to be, and its type.
 
-use crate::association::ASSOCIATOR;
 use crate::experiment::request::fields::{
-    DEFAULT_ASSOCIATOR, DEFAULT_FILTER, JOB_NAME, LABELS, ONE_SENSOR, SEED,
+    ASSOCIATOR_FIELD, FILTER_FIELD, JOB_NAME, LABELS, ONE_SENSOR, SEED, TRACKER_FIELD,
 };
 use crate::experiment::request::methods::TrackingSpec;
 use crate::experiment::request::scenario::ORIGIN;
-use crate::filtering::FILTER;
 use crate::model::sensor::SensorSettings;
 use crate::model::space::Frame;
 use crate::registry::{Kind, Object, default, list, number, optional, required, whole};
-use crate::tracking::LIFECYCLE;
 use serde::{Deserialize, Serialize};
 
 pub static SESSION: Object = Object {
@@ -30,24 +27,9 @@ pub static SESSION: Object = Object {
             "The sensors that report. What a sensor reports follows from its noises: places (sigma_x_m, sigma_y_m; in space sigma_z_m), ranges and bearings (sigma_range_m, sigma_bearing_deg; in space sigma_elevation_deg) or bearings alone (sigma_bearing_deg).",
             list(&ONE_SENSOR, 1, 64),
         ),
-        default(
-            "associator",
-            "How detections are given to tracks.",
-            Kind::Union(&ASSOCIATOR),
-            DEFAULT_ASSOCIATOR,
-        ),
-        default(
-            "filter",
-            "How tracks are predicted and updated.",
-            Kind::Union(&FILTER),
-            DEFAULT_FILTER,
-        ),
-        default(
-            "tracker",
-            "Gate and life cycle.",
-            Kind::Object(&LIFECYCLE),
-            "{}",
-        ),
+        ASSOCIATOR_FIELD,
+        FILTER_FIELD,
+        TRACKER_FIELD,
         default(
             "late",
             "What becomes of a scan that comes after a later one: it is dropped and counted; or every scan waits for others, for delay_s; or the scans since are processed again, as far back as window_s.",

@@ -107,12 +107,6 @@ pub struct HistoryPoint {
     pub point: LivePoint,
 }
 
-impl LiveTrack {
-    pub fn is_confirmed(&self) -> bool {
-        self.status != TrackStatus::Tentative
-    }
-}
-
 impl Session {
     /// The living tracks, predicted to a time where one is given that lies ahead.
     pub fn tracks(&self, at_s: Option<f64>) -> Vec<LiveTrack> {
@@ -185,6 +179,11 @@ impl Session {
             track: self.track_of(estimate)?,
             points: self.trails.of(serial).map(point).collect(),
         })
+    }
+
+    /// Tracks that live, and those of them that are confirmed.
+    pub fn count_tracks(&self) -> (usize, usize) {
+        self.line.book.count()
     }
 
     /// Events after a number, oldest first, at most so many; `None` where some of them are no longer kept.

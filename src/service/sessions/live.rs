@@ -78,13 +78,13 @@ impl Live {
         self.news.send_replace(());
     }
 
-    /// Takes entries: they are on the disk when this returns. All of them are taken, or none.
+    /// Takes entries, each with the line that it came in: they are on the disk when this returns. All of them are taken, or none.
     ///
     /// # Errors
     /// Faults of the entries; too much that waits; another process that has the session.
     pub async fn push(
         self: &Arc<Self>,
-        entries: Vec<Entry>,
+        entries: Vec<(Option<u64>, Entry)>,
         bytes: usize,
         (log, storage): (&Log, &Storage),
     ) -> Result<Pushed, ServiceError> {
@@ -111,7 +111,7 @@ impl Live {
 
     async fn take(
         self: &Arc<Self>,
-        entries: Vec<Entry>,
+        entries: Vec<(Option<u64>, Entry)>,
         log: &Log,
         storage: &Storage,
     ) -> Result<Pushed, ServiceError> {
@@ -130,7 +130,7 @@ impl Live {
             }
             self.news.send_replace(());
             if turn.is_due() {
-                self.checkpoint(&mut turn, storage);
+                self.checkpoint(&mut turn, storage).await;
             }
         }
         let session = self.session();
@@ -147,11 +147,14 @@ impl Live {
     }
 
     /// The entries that are new, and what is known of all.
-    fn check(&self, entries: Vec<Entry>) -> Result<(Vec<Entry>, Vec<PushedResult>), ServiceError> {
+    fn check(
+        &self,
+        entries: Vec<(Option<u64>, Entry)>,
+    ) -> Result<(Vec<Entry>, Vec<PushedResult>), ServiceError> {
         let session = self.session();
+        let mut checking = session.checking();
         let (mut new, mut results, mut faults) = (Vec::new(), Vec::new(), Vec::new());
-        let several = entries.len() > 1;
-        for (index, entry) in entries.into_iter().enumerate() {
+        for (line, entry) in entries {
             let (sensor_id, sequence) = match &entry {
                 Entry::Scan(scan) => (scan.sensor_id.clone(), scan.sequence),
                 Entry::End { .. } => (String::new(), None),
@@ -161,7 +164,7 @@ impl Live {
                 sensor_id,
                 sequence,
             };
-            match session.check(entry, &new) {
+            match checking.check(entry) {
                 Ok(Checked::New(entry)) => {
                     if let Entry::Scan(scan) = &entry {
                         result.sequence = scan.sequence;
@@ -169,10 +172,7 @@ impl Live {
                     new.push(entry);
                 }
                 Ok(Checked::Duplicate) => result.fate = EntryFate::Duplicate,
-                Err(fault) => faults.push(Fault {
-                    line: several.then_some(index as u64 + 1),
-                    ..fault
-                }),
+                Err(fault) => faults.push(Fault { line, ..fault }),
             }
             results.push(result);
         }
@@ -234,11 +234,15 @@ impl Live {
     }
 
     /// Writes down what the session knows, beside the work.
-    fn checkpoint(self: &Arc<Self>, turn: &mut Turn, storage: &Storage) {
+    async fn checkpoint(self: &Arc<Self>, turn: &mut Turn, storage: &Storage) {
         turn.checkpoint_entries = turn.entries;
         turn.checkpointed = Instant::now();
+        let (live, entries) = (self.clone(), turn.entries);
+        let written = tokio::task::spawn_blocking(move || live.write_down(entries)).await;
+        let Ok(checkpoint) = written else {
+            return tracing::warn!("a checkpoint was not written");
+        };
         let (live, storage) = (self.clone(), storage.clone());
-        let checkpoint = self.write_down(turn.entries);
         tokio::spawn(async move { live.keep_checkpoint(checkpoint, &storage).await });
     }
 

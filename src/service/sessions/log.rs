@@ -9,7 +9,23 @@ const WAITING: usize = 256;
 
 struct Asked {
     append: LogAppend,
-    answer: oneshot::Sender<Result<bool, Arc<anyhow::Error>>>,
+    answer: oneshot::Sender<Result<bool, Shared>>,
+}
+
+/// Why one change failed, for all whose entries were in it: what kind of error it is can be told of its source.
+#[derive(Debug, Clone)]
+struct Shared(Arc<anyhow::Error>);
+
+impl std::fmt::Display for Shared {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
+        formatter.write_str("entries were not kept")
+    }
+}
+
+impl std::error::Error for Shared {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(self.0.as_ref().as_ref())
+    }
 }
 
 /// Whoever appends.
@@ -30,9 +46,7 @@ impl Log {
         let is_gone = || anyhow::anyhow!("the log of sessions has stopped");
         self.0.send(asked).await.map_err(|_| is_gone())?;
         let answered = answered.await.map_err(|_| is_gone())?;
-        answered.map_err(|error| {
-            Arc::try_unwrap(error).unwrap_or_else(|shared| anyhow::anyhow!("{shared:#}"))
-        })
+        Ok(answered?)
     }
 }
 
@@ -48,7 +62,7 @@ async fn write_all(storage: Storage, mut receiver: mpsc::Receiver<Asked>) {
                 }
             }
             Err(error) => {
-                let error = Arc::new(error);
+                let error = Shared(Arc::new(error));
                 for asked in together.drain(..) {
                     let _ = asked.answer.send(Err(error.clone()));
                 }

@@ -23,7 +23,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
-use told::{info, state_name, told_of};
+use told::{info, told_of};
 use uuid::Uuid;
 
 /// Sessions that one process has open.
@@ -98,8 +98,13 @@ impl Sessions {
 
     /// Writes down what is open, and gives it back.
     pub async fn shutdown(&self) {
-        for live in self.all_live() {
+        let all = self.all_live();
+        for live in &all {
             live.rest(&self.storage).await;
+        }
+        // What one process has for itself need not be given back.
+        if all.is_empty() || !self.storage.is_shared() {
+            return;
         }
         if let Err(error) = self.storage.release_sessions().await {
             tracing::warn!(error = format!("{error:#}"), "sessions were not given back");
@@ -135,8 +140,6 @@ impl Sessions {
         } else {
             None
         };
-        // Read once more: opening may have found it failed.
-        let stored = self.stored(id).await?;
         Ok(SessionInfo {
             live: live.map(|live| told_of(&live.session())),
             ..info(stored)
@@ -173,7 +176,7 @@ impl Sessions {
         }
         let stored = self.stored(id).await?;
         if stored.state != SessionState::Open {
-            let detail = format!("the session is {}", state_name(stored.state));
+            let detail = format!("the session is {}", stored.state.name());
             return Err(ServiceError::conflict("session_closed", detail));
         }
         self.open(&stored).await
@@ -219,13 +222,13 @@ impl Sessions {
 
     /// From the checkpoint and the entries since; from all entries where another version wrote the checkpoint.
     async fn read_back(&self, stored: &StoredSession, fence: i64) -> Result<Live, ServiceError> {
-        let scene = Arc::new(Scene::again(&stored.spec).map_err(ServiceError::Invalid)?);
+        let scene = Arc::new(Scene::plan(&stored.spec).map_err(ServiceError::Invalid)?);
         let checkpoint = self.storage.checkpoint(stored.id).await?;
-        let (mut session, mut entries) = (Session::new(scene.clone()), 0);
+        let (mut session, mut from) = (Session::new(scene.clone()), 0);
         if let Some(checkpoint) = checkpoint {
             let read = Session::read_back(scene, &checkpoint.bytes);
             match read.ok().filter(|_| checkpoint.version == VERSION) {
-                Some(read) => (session, entries) = (read, checkpoint.entries),
+                Some(read) => (session, from) = (read, checkpoint.entries),
                 None => tracing::warn!(
                     session = %stored.id,
                     version = checkpoint.version,
@@ -233,19 +236,31 @@ impl Sessions {
                 ),
             }
         }
-        let from = entries;
-        loop {
-            let page = self.storage.log_page(stored.id, entries).await?;
-            if page.is_empty() {
-                break;
-            }
-            entries += page.len() as u64;
-            let work = move || take_page(session, &page);
-            let taken = tokio::task::spawn_blocking(work).await;
-            session = taken.context("reading a log panicked")??;
-        }
+        let read = self.read_log(stored.id, from, session, take_into);
+        let (session, entries) = read.await?;
         tracing::info!(session = %stored.id, from, entries, "a session was read from its log");
         Ok(Live::new(stored.id, fence, session, entries, from))
+    }
+
+    /// Gives each entry of a log after a position to `take`, on threads that may take their time; tells how many entries there are.
+    async fn read_log<T: Send + 'static>(
+        &self,
+        id: Uuid,
+        after: u64,
+        mut reader: T,
+        take: fn(&mut T, Entry) -> Result<(), ServiceError>,
+    ) -> Result<(T, u64), ServiceError> {
+        let mut entries = after;
+        loop {
+            let page = self.storage.log_page(id, entries).await?;
+            if page.is_empty() {
+                return Ok((reader, entries));
+            }
+            entries += page.len() as u64;
+            let work = move || take_page(reader, &page, take);
+            let taken = tokio::task::spawn_blocking(work).await;
+            reader = taken.context("reading a log panicked")??;
+        }
     }
 
     /// Takes scans: one, or those of several lines.
@@ -260,7 +275,7 @@ impl Sessions {
         let (mut entries, mut faults) = (Vec::with_capacity(scans.len()), Vec::new());
         for (line, value) in scans {
             match read_scan(value, &scene) {
-                Ok(scan) => entries.push(Entry::Scan(scan)),
+                Ok(scan) => entries.push((*line, Entry::Scan(scan))),
                 Err(found) => faults.extend(found.into_iter().map(|fault| Fault {
                     line: *line,
                     ..fault
@@ -292,11 +307,11 @@ impl Sessions {
     /// Ends a track by hand.
     pub async fn end_track(&self, id: Uuid, track_id: &str) -> Result<(), ServiceError> {
         let live = self.live(id).await?;
-        if live.session().history(track_id).is_none() {
+        if !live.session().lives(track_id) {
             return Err(ServiceError::NotFound("living track"));
         }
         let track_id = track_id.to_owned();
-        let entries = vec![Entry::End { track_id }];
+        let entries = vec![(None, Entry::End { track_id })];
         live.push(entries, 1, (&self.log, &self.storage)).await?;
         Ok(())
     }
@@ -310,12 +325,12 @@ impl Sessions {
     ) -> Result<SessionEvents, ServiceError> {
         let live = self.live(id).await?;
         let mut news = live.news.subscribe();
-        let items = events_after(&live, after)?;
+        let mut items = events_after(&live, after)?;
         if items.is_empty() && !patience.is_zero() {
             // Whether there was news or not, what there is is told.
             let _ = tokio::time::timeout(patience, news.changed()).await;
+            items = events_after(&live, after)?;
         }
-        let items = events_after(&live, after)?;
         let last_event = live.session().last_event();
         Ok(SessionEvents { items, last_event })
     }
@@ -372,13 +387,22 @@ impl Sessions {
     }
 }
 
-fn take_page(mut session: Session, page: &[String]) -> Result<Session, ServiceError> {
+fn take_page<T>(
+    mut reader: T,
+    page: &[String],
+    take: fn(&mut T, Entry) -> Result<(), ServiceError>,
+) -> Result<T, ServiceError> {
     for text in page {
-        let entry: Entry = serde_json::from_str(text).context("an entry of a log")?;
-        let taken = session.take(entry);
-        taken.map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
+        let entry = serde_json::from_str(text).context("an entry of a log")?;
+        take(&mut reader, entry)?;
     }
-    Ok(session)
+    Ok(reader)
+}
+
+fn take_into(session: &mut Session, entry: Entry) -> Result<(), ServiceError> {
+    let taken = session.take(entry);
+    taken.map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
+    Ok(())
 }
 
 fn events_after(live: &Live, after: u64) -> Result<Vec<SessionEvent>, ServiceError> {

@@ -1,7 +1,7 @@
 //! A session as a dataset, while it is open and when it is closed.
 
 use super::Sessions;
-use crate::experiment::session::{Scene, SessionRecording};
+use crate::experiment::session::{Entry, Scene, SessionRecording};
 use crate::formats::FormatOptions;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -13,6 +13,7 @@ use crate::service::storage::{SessionEnd, StoredSession};
 use crate::service::types::{DatasetInfo, SessionInfo, SessionState};
 use anyhow::Context;
 use serde_json::{Value, json};
+use std::path::PathBuf;
 use std::sync::Arc;
 use uuid::Uuid;
 
@@ -30,45 +31,17 @@ impl Sessions {
         &self,
         stored: &StoredSession,
     ) -> Result<(DatasetInfo, bool), ServiceError> {
-        let scene = Arc::new(Scene::again(&stored.spec).map_err(ServiceError::Invalid)?);
-        let mut recording = SessionRecording::new(scene);
-        let mut entries = 0;
-        loop {
-            let page = self.storage.log_page(stored.id, entries).await?;
-            if page.is_empty() {
-                break;
-            }
-            entries += page.len() as u64;
-            for text in &page {
-                let entry = serde_json::from_str(text).context("an entry of a log")?;
-                recording
-                    .add(entry)
-                    .map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
-            }
-            if recording.scans() > MOST_RECORDED {
-                let detail = format!("the session has more than {MOST_RECORDED} scans");
-                return Err(ServiceError::Invalid(vec![Fault::new(
-                    "",
-                    "too_large",
-                    detail,
-                )]));
-            }
-        }
+        let scene = Arc::new(Scene::plan(&stored.spec).map_err(ServiceError::Invalid)?);
+        let recording = SessionRecording::new(scene);
+        let (recording, _) = self.read_log(stored.id, 0, recording, add_to).await?;
         if recording.scans() == 0 {
             let detail = "the session has no scans";
             return Err(ServiceError::Invalid(vec![Fault::new("", "empty", detail)]));
         }
-        let bytes = recording.into_csv();
         let path = self.datasets.temp_dir().join(Uuid::now_v7().to_string());
-        let file = ReceivedFile {
-            sha256: sha256_hex(&bytes),
-            bytes: bytes.len() as u64,
-            path: path.clone(),
-        };
-        let write = move || std::fs::write(path, bytes);
-        let written = tokio::task::spawn_blocking(write).await;
-        let written = written.context("writing a recording panicked")?;
-        written.map_err(anyhow::Error::from)?;
+        let work = move || write(recording, path);
+        let file = tokio::task::spawn_blocking(work).await;
+        let file = file.context("writing a recording panicked")??;
         self.datasets.add(file, meta_of(stored)).await
     }
 
@@ -95,7 +68,7 @@ impl Sessions {
             match self.record_stored(&stored).await {
                 Ok((dataset, _)) => {
                     end.dataset_id = Some(dataset.id);
-                    let scene = Scene::again(&stored.spec).map_err(ServiceError::Invalid)?;
+                    let scene = live.session().scene().clone();
                     let mut body = scene.job_on(&dataset.id.to_string());
                     if let Some(name) = &stored.name {
                         body["name"] = json!(name);
@@ -113,6 +86,27 @@ impl Sessions {
         }
         self.get(id).await
     }
+}
+
+fn add_to(recording: &mut SessionRecording, entry: Entry) -> Result<(), ServiceError> {
+    let added = recording.add(entry);
+    added.map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
+    if recording.scans() > MOST_RECORDED {
+        let detail = format!("the session has more than {MOST_RECORDED} scans");
+        let fault = Fault::new("", "too_large", detail);
+        return Err(ServiceError::Invalid(vec![fault]));
+    }
+    Ok(())
+}
+
+fn write(recording: SessionRecording, path: PathBuf) -> anyhow::Result<ReceivedFile> {
+    let bytes = recording.into_csv();
+    std::fs::write(&path, &bytes)?;
+    Ok(ReceivedFile {
+        sha256: sha256_hex(&bytes),
+        bytes: bytes.len() as u64,
+        path,
+    })
 }
 
 /// What the dataset of a session says of itself.

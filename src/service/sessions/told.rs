@@ -2,7 +2,7 @@
 
 use crate::experiment::session::Session;
 use crate::service::storage::StoredSession;
-use crate::service::types::{LiveTrack, SessionInfo, SessionLive, SessionState};
+use crate::service::types::{SessionInfo, SessionLive};
 
 pub(super) fn info(stored: StoredSession) -> SessionInfo {
     SessionInfo {
@@ -22,23 +22,14 @@ pub(super) fn info(stored: StoredSession) -> SessionInfo {
 }
 
 pub(super) fn told_of(session: &Session) -> SessionLive {
-    let tracks = session.tracks(None);
-    let is_confirmed = |track: &&LiveTrack| track.is_confirmed();
+    let (tracks, confirmed) = session.count_tracks();
     SessionLive {
         counts: session.counts(),
         processed_to_s: session.processed_to_s(),
         waiting: session.waiting() as u64,
-        confirmed: tracks.iter().filter(is_confirmed).count() as u64,
-        tracks: tracks.len() as u64,
+        tracks: tracks as u64,
+        confirmed: confirmed as u64,
         last_event: session.last_event(),
         warnings: session.scene().warnings.clone(),
-    }
-}
-
-pub(super) fn state_name(state: SessionState) -> &'static str {
-    match state {
-        SessionState::Open => "open",
-        SessionState::Closed => "closed",
-        SessionState::Failed => "failed",
     }
 }

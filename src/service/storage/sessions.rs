@@ -236,16 +236,16 @@ impl Storage {
         end: &SessionEnd,
     ) -> anyhow::Result<bool> {
         let state = if end.fault.is_some() {
-            "failed"
+            SessionState::Failed
         } else {
-            "closed"
+            SessionState::Closed
         };
         let mut change = self.begin().await?;
         let ended = sqlx::query(
             "UPDATE sessions SET state = $1, fault = $2, dataset_id = $3, job_id = $4, closed_at = $5
              WHERE id = $6 AND fence = $7 AND state = 'open'",
         )
-        .bind(state)
+        .bind(state.name())
         .bind(end.fault.as_ref().map(Value::to_string))
         .bind(end.dataset_id.map(|id| id.to_string()))
         .bind(end.job_id.map(|id| id.to_string()))

@@ -22,6 +22,14 @@ pub enum SessionState {
 }
 
 impl SessionState {
+    pub fn name(self) -> &'static str {
+        match self {
+            SessionState::Open => "open",
+            SessionState::Closed => "closed",
+            SessionState::Failed => "failed",
+        }
+    }
+
     /// A name that is not known is that of a later version: nothing is taken.
     pub fn from_name(name: &str) -> Self {
         match name {

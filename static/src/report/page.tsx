@@ -12,7 +12,7 @@ import { planPainting } from "../charts/plan-paint";
 import { Ribbons, useRibbons } from "../charts/ribbons";
 import { type Scene, sceneOf } from "../charts/scene";
 import { TrackMap } from "../charts/track-map";
-import { TableScroll } from "../components/table-parts";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { Time } from "../components/time";
 import { capital, plural, words } from "../format";
 import { type Clock, createClock } from "../state/clock";
@@ -139,13 +139,7 @@ function Causes({ causes, origin }: { causes: Cause[]; origin: number }): JSX.El
       <h2>What happened, and why</h2>
       <TableScroll label="What happened">
         <table class="data">
-          <thead>
-            <tr>
-              <th class="num">Time</th>
-              <th>Event</th>
-              <th>Why</th>
-            </tr>
-          </thead>
+          <HeadRow heads={[numberHead("Time"), "Event", "Why"]} />
           <tbody>
             {shown.map((cause) => (
               <tr>

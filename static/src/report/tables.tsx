@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import { type MetricReport, partsOf, type Report, type Tfa } from "../api/types";
-import { TableScroll } from "../components/table-parts";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { count, number, probability } from "../format";
 import { timeText } from "../times";
 import { metricTitle, quantityName } from "../views/metric-names";
@@ -70,14 +70,7 @@ export function Limits({ report }: { report: Report }): JSX.Element | null {
       {limits ? (
         <TableScroll label="Limits">
           <table class="data">
-            <thead>
-              <tr>
-                <th>Quantity</th>
-                <th>Limit</th>
-                <th class="num">Value</th>
-                <th>Met</th>
-              </tr>
-            </thead>
+            <HeadRow heads={["Quantity", "Limit", numberHead("Value"), "Met"]} />
             <tbody>
               {limits.checks.map((check) => (
                 <tr>
@@ -94,13 +87,7 @@ export function Limits({ report }: { report: Report }): JSX.Element | null {
       {requirements ? (
         <TableScroll label="Requirements">
           <table class="data">
-            <thead>
-              <tr>
-                <th>Sector</th>
-                <th>Requirement</th>
-                <th>Verdict</th>
-              </tr>
-            </thead>
+            <HeadRow heads={["Sector", "Requirement", "Verdict"]} />
             <tbody>
               {requirements.findings.map((finding) => (
                 <tr>
@@ -131,14 +118,7 @@ export function Verdicts({ tfa, origin }: { tfa: Tfa; origin: number }): JSX.Ele
       {failures.length ? (
         <TableScroll label="Verdicts">
           <table class="data">
-            <thead>
-              <tr>
-                <th>Target</th>
-                <th>Verdict</th>
-                <th class="num">At</th>
-                <th>Why</th>
-              </tr>
-            </thead>
+            <HeadRow heads={["Target", "Verdict", numberHead("At"), "Why"]} />
             <tbody>
               {failures.map((verdict) => (
                 <tr>
