@@ -7,7 +7,8 @@ use trackloom::experiment::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 54] = [
+const OPERATIONS: [&str; 57] = [
+    "beginSessionTrack",
     "cancelJob",
     "closeSession",
     "compareJobs",
@@ -52,10 +53,12 @@ const OPERATIONS: [&str; 54] = [
     "listProblemTypes",
     "listSessionTracks",
     "listSessions",
+    "pauseSession",
     "previewDataset",
     "pushScans",
     "recordSession",
     "rerunJob",
+    "resumeSession",
     "streamJobEvents",
     "streamSessionEvents",
     "updateJob",

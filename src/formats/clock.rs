@@ -26,6 +26,11 @@ pub struct Clock {
     pub assumed_utc: bool,
 }
 
+/// Seconds since 1970 of an ISO 8601 text, of UTC where it names no zone; `None` of other texts.
+pub fn read_instant(text: &str) -> Option<f64> {
+    Clock::default().read_instant(text)
+}
+
 /// How a file writes its times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {

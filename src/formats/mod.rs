@@ -34,6 +34,7 @@ mod table;
 mod told;
 
 pub use self::csv::write_csv;
+pub use clock::read_instant;
 pub use json::write_json;
 pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};

@@ -52,7 +52,32 @@ pub struct OwnNoise {
     pub sigma_course_rad: Option<f64>,
 }
 
+/// Those in degrees of [`OwnNoise::NAMES`].
+const IN_DEGREES: [usize; 3] = [5, 6, 9];
+
 impl OwnNoise {
+    /// What the values are called in files and on the wire, where angles are in degrees.
+    pub const NAMES: [&str; 10] = [
+        "sigma_x_m",
+        "sigma_y_m",
+        "correlation_xy",
+        "sigma_z_m",
+        "sigma_range_m",
+        "sigma_bearing_deg",
+        "sigma_elevation_deg",
+        "sigma_range_rate_mps",
+        "sigma_speed_mps",
+        "sigma_course_deg",
+    ];
+
+    /// Of values as they are named, in that order.
+    pub fn from_named(mut values: [Option<f64>; 10]) -> Self {
+        for index in IN_DEGREES {
+            values[index] = values[index].map(f64::to_radians);
+        }
+        OwnNoise::from_values(values)
+    }
+
     /// The values in the order in which they are named.
     pub fn values(&self) -> [Option<f64>; 10] {
         [

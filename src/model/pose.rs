@@ -48,6 +48,54 @@ pub struct Attitude {
 }
 
 impl Pose {
+    /// What its values are called on the wire; in files `sensor_` stands before them. Angles are in degrees there.
+    pub const NAMES: [&str; 18] = [
+        "x_m",
+        "y_m",
+        "z_m",
+        "vx_mps",
+        "vy_mps",
+        "vz_mps",
+        "heading_deg",
+        "pitch_deg",
+        "roll_deg",
+        "sigma_x_m",
+        "sigma_y_m",
+        "sigma_z_m",
+        "sigma_vx_mps",
+        "sigma_vy_mps",
+        "sigma_vz_mps",
+        "sigma_heading_deg",
+        "sigma_pitch_deg",
+        "sigma_roll_deg",
+    ];
+
+    /// Of values as they are named, in that order; what is absent is 0, and a body none of whose angles is known is not turned.
+    pub fn from_named(values: &[Option<f64>; 18]) -> Self {
+        let triple = |first: usize| -> Place {
+            Place::from_fn(|axis, _| values[first + axis].unwrap_or_default())
+        };
+        let angles = triple(6).map(f64::to_radians);
+        let attitude = Attitude {
+            heading_rad: angles.x,
+            pitch_rad: angles.y,
+            roll_rad: angles.z,
+        };
+        let sigmas_rad = triple(15).map(f64::to_radians);
+        Pose {
+            place: triple(0),
+            velocity: triple(3),
+            attitude: values[6..9].iter().any(Option::is_some).then_some(attitude),
+            sigmas: PoseSigmas {
+                place: triple(9),
+                velocity: triple(12),
+                heading_rad: sigmas_rad.x,
+                pitch_rad: sigmas_rad.y,
+                roll_rad: sigmas_rad.z,
+            },
+        }
+    }
+
     /// At rest and not turned.
     pub fn at(place: Place) -> Self {
         Pose {

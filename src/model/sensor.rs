@@ -88,6 +88,14 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_course_deg: Option<f64>,
+    /// Interval over which range rates of false detections lie; that of all range rates of the data when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub range_rate_span_mps: Option<f64>,
+    /// The same of velocities, east and north each.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub velocity_span_mps: Option<f64>,
     /// Whether a report that no track uses may start a track.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
@@ -199,6 +207,8 @@ impl SensorSettings {
             ("sigma_elevation_deg", self.sigma_elevation_deg, POSITIVE),
             ("sigma_speed_mps", self.sigma_speed_mps, POSITIVE),
             ("sigma_course_deg", self.sigma_course_deg, POSITIVE),
+            ("range_rate_span_mps", self.range_rate_span_mps, POSITIVE),
+            ("velocity_span_mps", self.velocity_span_mps, POSITIVE),
             ("range_min_m", self.range_min_m, POSITIVE),
             ("range_max_m", self.range_max_m, POSITIVE),
             ("range_filters", self.range_filters.map(f64::from), RANGES),
@@ -243,6 +253,8 @@ impl SensorSettings {
             sigma_elevation_deg: other.sigma_elevation_deg.or(self.sigma_elevation_deg),
             sigma_speed_mps: other.sigma_speed_mps.or(self.sigma_speed_mps),
             sigma_course_deg: other.sigma_course_deg.or(self.sigma_course_deg),
+            range_rate_span_mps: other.range_rate_span_mps.or(self.range_rate_span_mps),
+            velocity_span_mps: other.velocity_span_mps.or(self.velocity_span_mps),
             may_start: other.may_start.or(self.may_start),
             field_of_view: other.field_of_view.or(self.field_of_view),
             sectors: other.sectors.clone().or_else(|| self.sectors.clone()),

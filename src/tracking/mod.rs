@@ -54,6 +54,10 @@ pub trait Tracker: Send {
     /// The same predicted to a time at or after the last scan; an earlier one, or none, is the last scan.
     fn tracks_at(&self, time_s: Option<f64>) -> Vec<TrackEstimate>;
 
+    /// Begins a confirmed track by hand at the last scan, whose kinematics are packed as those of a [`TrackEstimate`], and gives its
+    /// serial; `None` for another number of values. Its life is that of a track that was confirmed by itself.
+    fn begin(&mut self, kinematics: &[f64], recorder: &mut dyn Recorder) -> Option<u32>;
+
     /// Ends tracks by hand, by serial; those that do not live are passed over.
     fn forget(&mut self, serials: &[u32], recorder: &mut dyn Recorder);
 

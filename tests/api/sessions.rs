@@ -122,7 +122,10 @@ async fn a_session_is_fed_asked_and_closed_into_a_dataset_and_a_job() {
     );
 
     let closed = api.post(&format!("{path}/close"), &json!({})).await.ok(200);
-    assert_eq!(closed["state"], "closed");
+    assert_eq!(
+        (&closed["state"], &closed["track_ids"]),
+        (&json!("closed"), &json!(["1", "2"]))
+    );
     let job = closed["job_id"].as_str().unwrap();
     api.jobs
         .wait(job.parse().unwrap(), std::time::Duration::from_secs(30))
@@ -320,5 +323,77 @@ async fn an_open_session_is_recorded_up_to_now() {
     assert_eq!(
         (&listed["total"], &listed["items"][0]["name"]),
         (&json!(1), &json!("harbour"))
+    );
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn tracks_are_begun_and_ended_by_hand_and_a_paused_session_takes_no_scan() {
+    let api = Api::start().await;
+    let path = session(&api, &request()).await;
+    let track =
+        json!({"x_m": 5000.0, "y_m": 40.0, "vy_mps": -3.0, "sigma_m": 20.0, "sigma_mps": 2.0});
+    let early = api.post(&format!("{path}/tracks"), &track).await;
+    assert!(
+        early
+            .refused("validation")
+            .to_string()
+            .contains("before the first scan")
+    );
+    api.post(&format!("{path}/scans"), &scan(0)).await.ok(200);
+    let begun = api.post(&format!("{path}/tracks"), &track).await;
+    let place = begun.header("location").to_owned();
+    let begun = begun.ok(201);
+    assert_eq!(
+        (&begun["status"], &begun["x_m"]),
+        (&json!("confirmed"), &json!(5000.0))
+    );
+    assert_eq!(begun["covariance"][0], json!(400.0));
+    assert_eq!(api.get(&place).await.ok(200)["track"], begun);
+    let wrong = api
+        .post(&format!("{path}/tracks"), &json!({"x_m": 1.0}))
+        .await;
+    let wrong = wrong.refused("validation");
+    let places: Vec<&str> = wrong["errors"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|fault| fault["pointer"].as_str().unwrap())
+        .collect();
+    assert_eq!(places, ["/y_m", "/sigma_m", "/sigma_mps"]);
+    let paused = api.post(&format!("{path}/pause"), &json!({})).await.ok(200);
+    assert_eq!(paused["live"]["is_paused"], json!(true));
+    assert_eq!(
+        api.post(&format!("{path}/pause"), &json!({})).await.ok(200)["entries"],
+        paused["entries"]
+    );
+    let held = api.post(&format!("{path}/scans"), &scan(1)).await;
+    assert_eq!(held.status.as_u16(), 409);
+    held.refused("session_paused");
+    api.delete(&place).await.nothing();
+    let resumed = api
+        .post(&format!("{path}/resume"), &json!({}))
+        .await
+        .ok(200);
+    assert_eq!(
+        (
+            &resumed["live"]["is_paused"],
+            &resumed["live"]["counts"]["by_hand"]
+        ),
+        (&json!(false), &json!(2))
+    );
+    api.post(&format!("{path}/scans"), &scan(1)).await.ok(200);
+    let metrics = api.get("/metrics").await;
+    assert!(
+        metrics.text.contains("trackloom_sessions 1\n"),
+        "{}",
+        metrics.text
+    );
+    assert!(metrics.text.contains("trackloom_session_tracks 2\n"));
+    assert!(metrics.text.contains("trackloom_session_lag_seconds 0\n"));
+    // The job does not know what was done by hand, so its tracks have no other names.
+    let closed = api.post(&format!("{path}/close"), &json!({})).await.ok(200);
+    assert!(
+        closed["job_id"].is_string() && closed.get("track_ids").is_none(),
+        "{closed}"
     );
 }

@@ -31,12 +31,12 @@ fn request(more: Value) -> Value {
     body
 }
 
-fn scene(more: Value) -> Arc<Scene> {
+pub fn scene(more: Value) -> Arc<Scene> {
     Arc::new(Scene::plan(&request(more)).unwrap_or_else(|faults| panic!("{faults:?}")))
 }
 
 /// Scans of eight targets by two sensors in turn, with clutter and misses; each has an own number of its sensor.
-fn scans(count: usize, seed: u64) -> Vec<Value> {
+pub fn scans(count: usize, seed: u64) -> Vec<Value> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut uniform = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
     let targets: Vec<[f64; 4]> = (0..8)
@@ -83,11 +83,11 @@ fn scans(count: usize, seed: u64) -> Vec<Value> {
     scans
 }
 
-fn entry(scan: &Value, scene: &Scene) -> Entry {
+pub fn entry(scan: &Value, scene: &Scene) -> Entry {
     Entry::Scan(read_scan(scan, scene).unwrap_or_else(|faults| panic!("{faults:?}")))
 }
 
-fn push(session: &mut Session, scan: &Value) -> EntryFate {
+pub fn push(session: &mut Session, scan: &Value) -> EntryFate {
     let entry = entry(scan, &session.scene().clone());
     let checked = session.checking().check(entry).unwrap();
     match checked {
@@ -97,12 +97,12 @@ fn push(session: &mut Session, scan: &Value) -> EntryFate {
 }
 
 /// The tracks of the job on what was recorded.
-fn tracks_of_job(scene: &Arc<Scene>, scans: &[Value]) -> TrackSet {
+pub fn tracks_of_job(scene: &Arc<Scene>, scans: &[Value]) -> TrackSet {
     let mut recording = SessionRecording::new(scene.clone());
     for scan in scans {
         recording.add(entry(scan, scene)).unwrap();
     }
-    let text = recording.into_csv();
+    let text = recording.into_csv().unwrap();
     let options = ReadOptions {
         kind: Some(DatasetKind::Detections),
         ..ReadOptions::default()
@@ -128,9 +128,9 @@ fn tracks_of_job(scene: &Arc<Scene>, scans: &[Value]) -> TrackSet {
 }
 
 /// What a session believed of its confirmed tracks at each time, by the bits.
-type Told = BTreeMap<(String, u64), [u64; 4]>;
+pub type Told = BTreeMap<(String, u64), [u64; 4]>;
 
-fn told(session: &Session, told: &mut Told) {
+pub fn told(session: &Session, told: &mut Told) {
     for track in session.tracks(None) {
         let point = &track.point;
         let values = [point.x_m, point.y_m, point.vx_mps, point.vy_mps];
@@ -140,7 +140,7 @@ fn told(session: &Session, told: &mut Told) {
 }
 
 /// Every point of the job's tracks is what the session told at that time, to the bit.
-fn assert_same(session: &Session, seen: &Told, job: &TrackSet) -> usize {
+pub fn assert_same(session: &Session, seen: &Told, job: &TrackSet) -> usize {
     let ids = session.confirmed_track_ids();
     assert_eq!(job.tracks.len(), ids.len());
     let mut compared = 0;

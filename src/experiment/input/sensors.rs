@@ -114,7 +114,7 @@ pub fn resolve(
         if kind == Kind::Bearing {
             warnings.extend(unused_ranges(recording, index));
         }
-        let rates_mps = uses_rates.then(|| range_rate_span_mps(recording, index));
+        let rates_mps = uses_rates.then(|| range_rate_span_mps(recording, index, settings));
         let reader = NoiseReader {
             settings,
             moves: moves(recording, index),

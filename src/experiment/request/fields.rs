@@ -175,6 +175,16 @@ pub static SENSOR_SETTINGS: Object = Object {
             SIGMA_BEARING,
         ),
         optional(
+            "range_rate_span_mps",
+            "Interval over which range rates of false detections lie; that of all range rates of the data when absent.",
+            SIGMA_RATE,
+        ),
+        optional(
+            "velocity_span_mps",
+            "Interval over which velocities of false detections lie, east and north each; that of all velocities of the data when absent.",
+            SIGMA_RATE,
+        ),
+        optional(
             "may_start",
             "Whether a report that no track uses may start a track; false of bearings in the plane without limits of their ranges, else true. Bearings of two sensors at different places start tracks where they cross, if both may.",
             Kind::Flag,

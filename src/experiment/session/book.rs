@@ -28,6 +28,9 @@ pub struct Book {
     pub lines: BTreeMap<u32, Line>,
     /// Serials of all tracks that were ever confirmed, in the order in which they were.
     pub confirmed: Vec<u32>,
+    /// Tracks that were dropped, for there were too many.
+    #[serde(default)]
+    pub limited: u64,
     /// What happened since somebody took it.
     #[serde(skip)]
     pub news: Vec<SessionEvent>,

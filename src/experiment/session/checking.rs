@@ -35,6 +35,11 @@ impl Checking<'_> {
                 let detail = format!("no track '{track_id}' lives");
                 Err(Fault::new("", "not_found", detail))
             }
+            Entry::Begin(_) if self.session.processed_to_s().is_none() => {
+                let detail = "before the first scan there is no time at which a track could begin";
+                Err(Fault::new("", "conflict", detail))
+            }
+            Entry::Begin(_) | Entry::Pause | Entry::Resume => Ok(Checked::New(entry)),
         }
     }
 

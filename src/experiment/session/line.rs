@@ -110,12 +110,24 @@ impl Line {
         let surplus = self.book.surplus(scene.rules().max_tracks);
         if !surplus.is_empty() {
             self.forget(&surplus, trails);
+            self.book.limited += surplus.len() as u64;
             self.book.news.push(SessionEvent {
                 count: Some(surplus.len() as u64),
                 ..SessionEvent::plain(SessionEventKind::Limited, time_s)
             });
         }
         Ok(())
+    }
+
+    /// Begins a confirmed track at the last scan, and gives its serial; `None` of kinematics of another space.
+    pub fn begin(&mut self, kinematics: &[f64], trails: &mut Trails) -> Option<u32> {
+        let mut taking = Taking {
+            time_s: self.last.map_or(0.0, |last| last.time_s),
+            book: &mut self.book,
+            trails,
+        };
+        let tracker = self.tracker.as_mut()?;
+        tracker.begin(kinematics, &mut taking)
     }
 
     /// Ends tracks, by serial.

@@ -3,11 +3,16 @@
 
 mod book;
 mod checking;
+mod detection;
 mod entry;
 mod events;
 mod feeds;
+mod hand;
 mod line;
+mod named;
 mod order;
+mod pose;
+mod reading;
 mod recording;
 mod reports;
 mod scene;
@@ -17,8 +22,10 @@ mod trails;
 mod written;
 
 pub use checking::{Checked, Checking};
-pub use entry::{Entry, PUSHED_SCAN, PushedScan, read_scan};
+pub use entry::{Entry, PUSHED_SCAN, PushedScan};
 pub use events::{SessionEvent, SessionEventKind};
+pub use hand::{HAND_TRACK, HandTrack, read_track};
+pub use reading::read_scan;
 pub use recording::SessionRecording;
 pub use scene::Scene;
 pub use spec::{LatePolicy, SESSION};
@@ -42,6 +49,8 @@ pub struct Session {
     trails: Trails,
     events: EventRing,
     counts: SessionCounts,
+    /// Whether scans are refused for the time being.
+    is_paused: bool,
 }
 
 /// What became of an entry.
@@ -70,6 +79,7 @@ impl Session {
             trails: Trails::default(),
             events: EventRing::default(),
             counts: SessionCounts::default(),
+            is_paused: false,
             scene,
         }
     }
@@ -95,16 +105,36 @@ impl Session {
     pub fn take(&mut self, entry: Entry) -> Result<EntryFate, Box<Fault>> {
         self.counts.entries += 1;
         let fate = match entry {
+            Entry::Scan(scan) => self.take_scan(scan)?,
+            Entry::Begin(track) => {
+                self.counts.by_hand += 1;
+                self.order.decide();
+                self.line.begin(&track.kinematics, &mut self.trails);
+                EntryFate::Taken
+            }
             Entry::End { track_id } => {
+                self.counts.by_hand += 1;
+                self.order.decide();
                 if let Some(serial) = serial_of(&track_id) {
                     self.line.forget(&[serial], &mut self.trails);
                 }
                 EntryFate::Taken
             }
-            Entry::Scan(scan) => self.take_scan(scan)?,
+            Entry::Pause => self.pause(true),
+            Entry::Resume => self.pause(false),
         };
         self.tell();
         Ok(fate)
+    }
+
+    fn pause(&mut self, is_paused: bool) -> EntryFate {
+        self.is_paused = is_paused;
+        EntryFate::Taken
+    }
+
+    /// Whether scans are refused for the time being.
+    pub fn is_paused(&self) -> bool {
+        self.is_paused
     }
 
     fn take_scan(&mut self, scan: PushedScan) -> Result<EntryFate, Box<Fault>> {

@@ -1,31 +1,21 @@
-//! A session as a recording: the scans that its tracker took, in their order, as canonical CSV of detections.
+//! A session as a recording: the scans that its tracker took, in their order.
 
-use super::entry::{Entry, PushedDetection};
+use super::entry::Entry;
 use super::line::{Kept, Line};
 use super::scene::Scene;
 use super::{EntryFate, Session};
-use crate::experiment::files::tables::{number, quoted};
+use crate::formats::write_csv;
+use crate::model::beside::Beside;
+use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
-use std::fmt::Write;
+use crate::model::scan::{Recording, RecordingParts};
+use crate::model::sensor::SensorSettings;
 use std::sync::Arc;
-
-/// Measured columns, in the order in which they are written.
-const MEASURED: [&str; 7] = [
-    "x_m",
-    "y_m",
-    "z_m",
-    "range_m",
-    "bearing_deg",
-    "elevation_deg",
-    "amplitude",
-];
 
 /// Reads a session's log anew, without tracking, to find which scans count.
 pub struct SessionRecording {
     session: Session,
     taken: Vec<Kept>,
-    /// Tracks that were ended by hand, which a job on the recording does not know.
-    pub ended_by_hand: u64,
 }
 
 impl SessionRecording {
@@ -35,7 +25,6 @@ impl SessionRecording {
         SessionRecording {
             session,
             taken: Vec::new(),
-            ended_by_hand: 0,
         }
     }
 
@@ -45,16 +34,12 @@ impl SessionRecording {
     /// None that a session that took it did not have.
     pub fn add(&mut self, entry: Entry) -> Result<(), Box<Fault>> {
         let kept = match &entry {
-            Entry::End { .. } => {
-                self.ended_by_hand += 1;
-                None
-            }
-            Entry::Scan(scan) if scan.heartbeat => None,
-            Entry::Scan(scan) => {
+            Entry::Scan(scan) if !scan.heartbeat => {
                 let sensor = self.session.scene.sensor_index(&scan.sensor_id);
                 let scan = scan.clone();
                 sensor.map(|sensor| Kept { sensor, scan })
             }
+            _ => None,
         };
         let fate = self.session.take(entry)?;
         let counts = !matches!(fate, EntryFate::LateDropped | EntryFate::Duplicate);
@@ -68,82 +53,61 @@ impl SessionRecording {
     }
 
     /// The recording as canonical CSV.
-    pub fn into_csv(mut self) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// What no recording has, which a session refused before.
+    pub fn into_csv(self) -> Result<Vec<u8>, Vec<Fault>> {
+        let recording = Dataset::Detections(self.into_recording()?);
+        let mut text = Vec::new();
+        write_csv(&recording, &mut text).map_err(|error| {
+            let detail = format!("the recording cannot be written: {error}");
+            vec![Fault::new("", "malformed", detail)]
+        })?;
+        Ok(text)
+    }
+
+    fn into_recording(mut self) -> Result<Recording, Vec<Fault>> {
         self.taken.sort_by(|one, other| {
             one.key()
                 .partial_cmp(&other.key())
                 .unwrap_or(std::cmp::Ordering::Equal)
         });
-        let columns = self.columns();
-        let mut text = String::from("time_s,scan,sensor_id,detection_id");
-        for column in &columns {
-            text.push(',');
-            text.push_str(column);
-        }
-        text.push('\n');
-        for (index, kept) in self.taken.iter().enumerate() {
-            write_scan(&mut text, kept, index + 1, &columns);
-        }
-        text.into_bytes()
-    }
-
-    /// The measured columns that any sensor has.
-    fn columns(&self) -> Vec<&'static str> {
         let scene = &self.session.scene;
-        let sensors = 0..scene.sensor_ids().len();
-        let fields: Vec<&str> = sensors
-            .flat_map(|sensor| scene.reports(sensor).fields())
-            .copied()
-            .collect();
-        let detections = self.taken.iter().flat_map(|kept| &kept.scan.detections);
-        let has_amplitude = detections.map(|one| one.amplitude).any(|it| it.is_some());
-        let is_there =
-            |column: &&str| fields.contains(column) || (*column == "amplitude" && has_amplitude);
-        MEASURED.into_iter().filter(is_there).collect()
-    }
-}
-
-fn write_scan(text: &mut String, kept: &Kept, number_of_scan: usize, columns: &[&str]) {
-    let scan = &kept.scan;
-    let head = format!(
-        "{},{number_of_scan},{}",
-        number(scan.time_s),
-        quoted(&scan.sensor_id)
-    );
-    if scan.detections.is_empty() {
-        text.push_str(&head);
-        text.push(',');
-        text.extend(columns.iter().map(|_| ','));
-        text.push('\n');
-    }
-    for (index, detection) in scan.detections.iter().enumerate() {
-        text.push_str(&head);
-        let id = detection.detection_id.as_deref();
-        // Writing to a text does not fail.
-        let _ = match id {
-            Some(id) => write!(text, ",{}", quoted(id)),
-            None => write!(text, ",{}", index + 1),
+        let mut parts = RecordingParts {
+            frame: scene.frame(),
+            sensors: scene
+                .sensor_ids()
+                .iter()
+                .map(SensorSettings::named)
+                .collect(),
+            ..RecordingParts::default()
         };
-        for column in columns {
-            text.push(',');
-            if let Some(value) = detection.value(column) {
-                text.push_str(&number(value));
-            }
+        for (kept, number) in self.taken.iter().zip(1..) {
+            let scan = &kept.scan;
+            let ids = 0..scan.detections.len();
+            parts
+                .detection_ids
+                .extend(ids.map(|index| scan.detection_id(index)));
+            parts.scans.push(scan.scan(number, kept.sensor));
         }
-        text.push('\n');
+        parts.beside = times_of(&self.taken);
+        Recording::new(parts)
     }
 }
 
-impl PushedDetection {
-    fn value(&self, column: &str) -> Option<f64> {
-        match column {
-            "x_m" => self.x_m,
-            "y_m" => self.y_m,
-            "z_m" => self.z_m,
-            "range_m" => self.range_m,
-            "bearing_deg" => self.bearing_deg,
-            "elevation_deg" => self.elevation_deg,
-            _ => self.amplitude,
-        }
+/// The times of detections, where any has one of its own.
+fn times_of(taken: &[Kept]) -> Beside {
+    let mut beside = Beside::default();
+    let detections = || taken.iter().flat_map(|kept| &kept.scan.detections);
+    if detections().all(|one| one.time_s().is_none()) {
+        return beside;
     }
+    for Kept { scan, .. } in taken {
+        let times_s = scan
+            .detections
+            .iter()
+            .map(|one| one.time_s().unwrap_or(scan.time_s));
+        beside.times_s.extend(times_s);
+    }
+    beside
 }

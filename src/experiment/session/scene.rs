@@ -14,6 +14,9 @@ use crate::experiment::request::methods::{NamedFilter, TrackingSpec};
 use crate::experiment::request::paths::put_field;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
+use crate::model::own::whole;
+use crate::model::pose::{Attitude, Pose};
+use crate::model::relative_bearings::are_relative;
 use crate::model::scan::{Detection, Recording, RecordingParts, Scan};
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::sight::clutter::ClutterSettings;
@@ -31,13 +34,39 @@ pub struct Scene {
     /// As they are used.
     sensors: Vec<Sensor>,
     reports: Vec<Reports>,
+    poses: Vec<PoseRule>,
     sensor_ids: Vec<String>,
+    /// Of a recording of this session, in which bearings are counted from north.
+    pub recorded_sensors: Vec<SensorSettings>,
     /// Of the associator.
     needs: Needs,
     /// The request with its defaults and the filter that was chosen.
     pub spec: Value,
     /// What a user should know.
     pub warnings: Vec<String>,
+}
+
+/// Whether scans of a sensor say where it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct PoseRule {
+    /// Its bearings are counted from the bow.
+    is_relative: bool,
+    is_needed: bool,
+    is_refused: bool,
+}
+
+impl PoseRule {
+    /// A direction counts only from a known place, which does not change half-way.
+    fn of(settings: &SensorSettings) -> Self {
+        let is_direction = Reports::of(settings).is_some_and(Reports::is_direction);
+        let is_placed = settings.x_m.is_some() || settings.lat_deg.is_some();
+        let is_relative = are_relative(settings);
+        PoseRule {
+            is_relative,
+            is_needed: is_relative || (is_direction && !is_placed),
+            is_refused: is_direction && is_placed && !is_relative,
+        }
+    }
 }
 
 impl Scene {
@@ -103,7 +132,13 @@ impl Scene {
             filter,
             sensors: resolved,
             reports: typed.sensors.iter().filter_map(Reports::of).collect(),
-            sensor_ids: typed.sensors.into_iter().map(|one| one.sensor_id).collect(),
+            poses: typed.sensors.iter().map(PoseRule::of).collect(),
+            sensor_ids: typed
+                .sensors
+                .iter()
+                .map(|one| one.sensor_id.clone())
+                .collect(),
+            recorded_sensors: typed.sensors.into_iter().map(recorded).collect(),
             needs,
             spec: Value::Null,
             warnings,
@@ -126,9 +161,10 @@ impl Scene {
     /// The body of the job that tracks a recording of this session.
     pub fn job_on(&self, dataset_id: &str) -> Value {
         let mut body = json!({"input": {"source": "dataset", "dataset_id": dataset_id}});
-        for name in ["seed", "sensors", "associator", "filter", "tracker"] {
+        for name in ["seed", "associator", "filter", "tracker"] {
             body[name] = self.spec[name].clone();
         }
+        put_field(&mut body, "sensors", json!(self.recorded_sensors));
         body
     }
 
@@ -156,12 +192,34 @@ impl Scene {
         self.reports[sensor]
     }
 
+    /// Whether its bearings are counted from the bow.
+    pub fn is_relative(&self, sensor: usize) -> bool {
+        self.poses[sensor].is_relative
+    }
+
+    /// Whether every scan of a sensor has to say where it is.
+    pub fn needs_pose(&self, sensor: usize) -> bool {
+        self.poses[sensor].is_needed
+    }
+
+    /// Whether it stands where the session says.
+    pub fn refuses_pose(&self, sensor: usize) -> bool {
+        self.poses[sensor].is_refused
+    }
+
     pub fn max_detections(&self) -> usize {
         self.rules.max_detections
     }
 
     pub fn needs_amplitudes(&self) -> bool {
         self.needs == Needs::Amplitudes
+    }
+}
+
+fn recorded(settings: SensorSettings) -> SensorSettings {
+    SensorSettings {
+        bearings: None,
+        ..settings
     }
 }
 
@@ -172,20 +230,25 @@ fn sample_of(listed: &[SensorSettings], frame: Option<Frame>) -> Result<Recordin
         ..Default::default()
     };
     for (index, settings) in listed.iter().enumerate() {
+        let Some(reports) = Reports::of(settings) else {
+            continue;
+        };
+        let (measurement, own) = reports.sample();
+        let turned = Pose {
+            attitude: Some(Attitude::default()),
+            ..Pose::default()
+        };
         parts.scans.push(Scan {
             number: index as u32 + 1,
             time_s: 0.0,
             sensor: index,
-            pose: None,
-            detections: Reports::of(settings)
-                .map(|reports| Detection {
-                    measurement: reports.sample(),
-                    origin: None,
-                    amplitude: Some(1.0),
-                })
-                .into_iter()
-                .collect(),
-            own: Vec::new(),
+            pose: PoseRule::of(settings).is_needed.then_some(turned),
+            detections: vec![Detection {
+                measurement,
+                origin: None,
+                amplitude: Some(1.0),
+            }],
+            own: whole(vec![own]),
         });
         parts.detection_ids.push("1".to_owned());
         parts
@@ -214,14 +277,48 @@ fn sensor_faults(listed: &[SensorSettings]) -> Vec<Fault> {
         if Reports::of(settings).is_none() {
             let detail = "what the sensor reports does not follow from its noises";
             let fault = Fault::new(&place, "missing", detail);
-            faults.push(fault.allowing("sigma_x_m and sigma_y_m; sigma_range_m and sigma_bearing_deg; or sigma_bearing_deg"));
+            faults.push(fault.allowing("sigma_x_m and sigma_y_m, also with sigma_speed_mps; sigma_range_m and sigma_bearing_deg, also with sigma_range_rate_mps; or sigma_bearing_deg"));
         }
         if settings.p_d.is_none() {
             let detail =
                 "the probability of detection is estimated from data elsewhere; a session is told";
             faults.push(Fault::new(format!("{place}/p_d"), "missing", detail).allowing("(0, 1]"));
         }
+        faults.extend(unstated_spans(settings, &place));
         faults.extend(unsupported(settings, &place));
+    }
+    faults
+}
+
+/// A fault where the span of what a sensor reports besides would be that of the data.
+fn unstated_spans(settings: &SensorSettings, place: &str) -> Vec<Fault> {
+    let reported = [
+        (
+            "sigma_range_rate_mps",
+            settings.sigma_range_rate_mps,
+            "range_rate_span_mps",
+            settings.range_rate_span_mps,
+        ),
+        (
+            "sigma_speed_mps",
+            settings.sigma_speed_mps,
+            "velocity_span_mps",
+            settings.velocity_span_mps,
+        ),
+    ];
+    let mut faults = Vec::new();
+    for (sigma_name, sigma_mps, span_name, span_mps) in reported {
+        if sigma_mps.is_some() == span_mps.is_some() {
+            continue;
+        }
+        let missing = if sigma_mps.is_some() {
+            span_name
+        } else {
+            sigma_name
+        };
+        let detail = format!("{sigma_name} and {span_name} come together in a session");
+        faults
+            .push(Fault::new(format!("{place}/{missing}"), "missing", detail).allowing("> 0 m/s"));
     }
     faults
 }
@@ -234,18 +331,12 @@ fn unsupported(settings: &SensorSettings, place: &str) -> Vec<Fault> {
     );
     let given = [
         ("clutter", learns),
-        (
-            "sigma_range_rate_mps",
-            settings.sigma_range_rate_mps.is_some(),
-        ),
-        ("sigma_speed_mps", settings.sigma_speed_mps.is_some()),
         ("assumed_altitude_m", settings.assumed_altitude_m.is_some()),
         (
             "error_correlation_s",
             settings.error_correlation_s.is_some(),
         ),
         ("merge_within_m", settings.merge_within_m.is_some()),
-        ("bearings", settings.bearings.is_some()),
     ];
     let fault = |(name, _)| {
         let detail = format!("a session does not take '{name}'");

@@ -2,6 +2,7 @@
 
 use super::Session;
 use super::events::{SessionEvent, serial_of, track_id};
+use super::feeds::newest_s;
 use super::trails::TrailPoint;
 use crate::geodesy::{Geodetic, Stereographic};
 use crate::model::space::{Frame, Place, Space};
@@ -25,6 +26,8 @@ pub struct SessionCounts {
     pub replayed: u64,
     /// Numbers that senders left out.
     pub missing: u64,
+    /// Tracks that were begun or ended by hand.
+    pub by_hand: u64,
 }
 
 /// A track as it is believed to be.
@@ -208,6 +211,17 @@ impl Session {
     /// Scans that the tracker has not taken yet.
     pub fn waiting(&self) -> usize {
         self.order.waiting.len()
+    }
+
+    /// How far the tracker is behind what was heard of the sensors (s).
+    pub fn lag_s(&self) -> Option<f64> {
+        let newest_s = newest_s(&self.feeds)?;
+        Some((newest_s - self.processed_to_s()?).max(0.0))
+    }
+
+    /// Whether a job on the recorded session has its tracks: nobody did anything by hand, and none were too many.
+    pub fn is_by_rule(&self) -> bool {
+        self.counts.by_hand == 0 && self.line.book.limited == 0
     }
 
     /// What the tracks that were confirmed are called by a job on the recorded session: the n-th of these is its track n.

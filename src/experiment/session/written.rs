@@ -15,13 +15,14 @@ use serde_json::value::RawValue;
 use std::sync::Arc;
 
 /// Changes whenever older writing is not understood any more.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 struct Written {
     version: u32,
     feeds: Vec<Feed>,
     counts: SessionCounts,
+    is_paused: bool,
     events: EventRing,
     waiting: Vec<Kept>,
     /// Scans that were taken after the tracker was written down.
@@ -60,6 +61,7 @@ impl Session {
             version: VERSION,
             feeds: self.feeds.clone(),
             counts: self.counts,
+            is_paused: self.is_paused,
             events: self.events.clone(),
             waiting: self.order.waiting.iter().cloned().collect(),
             window: window.collect(),
@@ -88,6 +90,7 @@ impl Session {
             trails: Trails::default(),
             events: written.events,
             counts: written.counts,
+            is_paused: written.is_paused,
             scene,
         };
         let mut course = Course {

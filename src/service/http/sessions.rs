@@ -34,7 +34,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(create_session, list_sessions))
         .routes(routes!(get_session, delete_session))
         .routes(routes!(list_session_tracks))
-        .routes(routes!(get_session_track, end_session_track))
+        .routes(routes!(get_session_track))
         .routes(routes!(stream_session_events))
         .routes(routes!(get_session_history))
         .routes(routes!(record_session))
@@ -180,24 +180,6 @@ async fn get_session_track(
     _: NoParams,
 ) -> ApiResult {
     Ok(Json(app.sessions.history(id, &name).await?).into_response())
-}
-
-/// End a track of a session
-///
-/// By hand: no more of it is told. The job on the recording does not know of it.
-#[utoipa::path(delete, path = "/v1/sessions/{id}/tracks/{name}", operation_id = "endSessionTrack", tag = "sessions",
-    params(
-        ("id" = uuid::Uuid, Path, description = "Identity of the session."),
-        ("name" = String, Path, description = "The track."),
-    ),
-    responses((status = 204, description = "It has ended.")))]
-async fn end_session_track(
-    State(app): State<AppState>,
-    IdAndName(id, name): IdAndName,
-    _: NoParams,
-) -> ApiResult {
-    app.sessions.end_track(id, &name).await?;
-    Ok(StatusCode::NO_CONTENT.into_response())
 }
 
 /// Follow a session

@@ -80,6 +80,7 @@ async fn get_metrics(State(app): State<AppState>, _: NoParams) -> ApiResult {
         let count = counts.get(&state).copied().unwrap_or(0);
         metrics::gauge!("trackloom_jobs", "state" => state.name()).set(count as f64);
     }
+    app.sessions.count();
     app.metrics.run_upkeep();
     Ok((
         [(

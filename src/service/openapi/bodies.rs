@@ -1,7 +1,7 @@
 //! What requests carry: bodies, and the query of a raw upload. Their schemas come from the tables that check requests.
 
 use super::{examples, reference};
-use crate::experiment::session::{PUSHED_SCAN, SESSION};
+use crate::experiment::session::{HAND_TRACK, PUSHED_SCAN, SESSION};
 use crate::experiment::{self, JobKind};
 use crate::registry::{Components, Object, json_schema, tagged_schema};
 use crate::service::http;
@@ -37,6 +37,13 @@ pub fn request_bodies(components: &mut Components) -> BTreeMap<String, Value> {
     bodies.insert(
         "createSession".to_owned(),
         with_examples(&json_schema(&SESSION, &mut tables), &examples::session()),
+    );
+    bodies.insert(
+        "beginSessionTrack".to_owned(),
+        with_examples(
+            &json_schema(&HAND_TRACK, &mut tables),
+            &examples::hand_track(),
+        ),
     );
     // Several scans in lines are told in words: generators leave out an operation whose body has a type that they do not know.
     bodies.insert(

@@ -146,6 +146,13 @@ pub(super) fn session() -> Vec<(&'static str, Value)> {
     )]
 }
 
+pub(super) fn hand_track() -> Vec<(&'static str, Value)> {
+    vec![(
+        "A place and a velocity",
+        json!({"x_m": 4000.0, "y_m": -250.0, "vx_mps": 12.0, "vy_mps": 3.5, "sigma_m": 50.0, "sigma_mps": 5.0}),
+    )]
+}
+
 pub(super) fn scan() -> Vec<(&'static str, Value)> {
     vec![
         (
@@ -153,6 +160,14 @@ pub(super) fn scan() -> Vec<(&'static str, Value)> {
             json!({
                 "sensor_id": "radar", "sequence": 17, "time_s": 1_700_000_000.25,
                 "detections": [{"range_m": 4012.5, "bearing_deg": 31.25}, {"range_m": 9810.0, "bearing_deg": 271.5}]
+            }),
+        ),
+        (
+            "Of a ship that moves",
+            json!({
+                "sensor_id": "radar", "time": "2026-01-31T12:00:00.25Z",
+                "pose": {"x_m": 120.0, "y_m": 40.0, "heading_deg": 87.5},
+                "detections": [{"range_m": 4012.5, "bearing_deg": -31.25}]
             }),
         ),
         (

@@ -154,10 +154,15 @@ impl Live {
         let session = self.session();
         let mut checking = session.checking();
         let (mut new, mut results, mut faults) = (Vec::new(), Vec::new(), Vec::new());
+        let is_scan = |(_, entry): &(Option<u64>, Entry)| matches!(entry, Entry::Scan(_));
+        if session.is_paused() && entries.iter().any(is_scan) {
+            let detail = "the session is paused, and takes no scans until it is resumed";
+            return Err(ServiceError::conflict("session_paused", detail));
+        }
         for (line, entry) in entries {
             let (sensor_id, sequence) = match &entry {
                 Entry::Scan(scan) => (scan.sensor_id.clone(), scan.sequence),
-                Entry::End { .. } => (String::new(), None),
+                _ => (String::new(), None),
             };
             let mut result = PushedResult {
                 fate: EntryFate::Taken,

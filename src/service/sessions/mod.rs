@@ -1,5 +1,6 @@
 //! Live sessions: made, fed, asked, closed. A session lives in one process at a time; its log in the tables is the truth.
 
+mod hand;
 mod live;
 mod log;
 mod recording;
@@ -94,6 +95,22 @@ impl Sessions {
     fn all_live(&self) -> Vec<Arc<Live>> {
         let live = self.live.lock().unwrap_or_else(PoisonError::into_inner);
         live.values().cloned().collect()
+    }
+
+    /// Tells the monitoring how the sessions of this process stand.
+    pub fn count(&self) {
+        let (mut waiting, mut lag_s, mut tracks) = (0, 0.0_f64, 0);
+        let all = self.all_live();
+        for live in &all {
+            let session = live.session();
+            waiting += session.waiting();
+            lag_s = lag_s.max(session.lag_s().unwrap_or_default());
+            tracks += session.count_tracks().0;
+        }
+        metrics::gauge!("trackloom_sessions").set(all.len() as f64);
+        metrics::gauge!("trackloom_session_tracks").set(tracks as f64);
+        metrics::gauge!("trackloom_session_waiting_scans").set(waiting as f64);
+        metrics::gauge!("trackloom_session_lag_seconds").set(lag_s);
     }
 
     /// Writes down what is open, and gives it back.
@@ -302,18 +319,6 @@ impl Sessions {
         let live = self.live(id).await?;
         let history = live.session().history(track_id);
         history.ok_or(ServiceError::NotFound("living track"))
-    }
-
-    /// Ends a track by hand.
-    pub async fn end_track(&self, id: Uuid, track_id: &str) -> Result<(), ServiceError> {
-        let live = self.live(id).await?;
-        if !live.session().lives(track_id) {
-            return Err(ServiceError::NotFound("living track"));
-        }
-        let track_id = track_id.to_owned();
-        let entries = vec![(None, Entry::End { track_id })];
-        live.push(entries, 1, (&self.log, &self.storage)).await?;
-        Ok(())
     }
 
     /// Events after a number; with none yet it waits for some.

@@ -1,6 +1,7 @@
 //! A session as a dataset, while it is open and when it is closed.
 
 use super::Sessions;
+use super::live::Live;
 use crate::experiment::session::{Entry, Scene, SessionRecording};
 use crate::formats::FormatOptions;
 use crate::model::dataset::DatasetKind;
@@ -32,6 +33,7 @@ impl Sessions {
         stored: &StoredSession,
     ) -> Result<(DatasetInfo, bool), ServiceError> {
         let scene = Arc::new(Scene::plan(&stored.spec).map_err(ServiceError::Invalid)?);
+        let sensors = scene.recorded_sensors.clone();
         let recording = SessionRecording::new(scene);
         let (recording, _) = self.read_log(stored.id, 0, recording, add_to).await?;
         if recording.scans() == 0 {
@@ -42,7 +44,7 @@ impl Sessions {
         let work = move || write(recording, path);
         let file = tokio::task::spawn_blocking(work).await;
         let file = file.context("writing a recording panicked")??;
-        self.datasets.add(file, meta_of(stored)).await
+        self.datasets.add(file, meta_of(stored, sensors)).await
     }
 
     /// Ends a session: what it took becomes a dataset, and a job tracks it with the same settings.
@@ -68,6 +70,7 @@ impl Sessions {
             match self.record_stored(&stored).await {
                 Ok((dataset, _)) => {
                     end.dataset_id = Some(dataset.id);
+                    end.track_ids = ids_of(&live);
                     let scene = live.session().scene().clone();
                     let mut body = scene.job_on(&dataset.id.to_string());
                     if let Some(name) = &stored.name {
@@ -88,6 +91,14 @@ impl Sessions {
     }
 }
 
+/// What the job's tracks are called while the session lives, which nobody asks any more.
+fn ids_of(live: &Live) -> Option<Vec<String>> {
+    let mut session = live.session();
+    // A tracker that cannot go on has failed before.
+    session.finish().ok()?;
+    session.is_by_rule().then(|| session.confirmed_track_ids())
+}
+
 fn add_to(recording: &mut SessionRecording, entry: Entry) -> Result<(), ServiceError> {
     let added = recording.add(entry);
     added.map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
@@ -100,7 +111,8 @@ fn add_to(recording: &mut SessionRecording, entry: Entry) -> Result<(), ServiceE
 }
 
 fn write(recording: SessionRecording, path: PathBuf) -> anyhow::Result<ReceivedFile> {
-    let bytes = recording.into_csv();
+    let faults = |faults: Vec<Fault>| anyhow::anyhow!("no recording: {faults:?}");
+    let bytes = recording.into_csv().map_err(faults)?;
     std::fs::write(&path, &bytes)?;
     Ok(ReceivedFile {
         sha256: sha256_hex(&bytes),
@@ -110,11 +122,9 @@ fn write(recording: SessionRecording, path: PathBuf) -> anyhow::Result<ReceivedF
 }
 
 /// What the dataset of a session says of itself.
-fn meta_of(stored: &StoredSession) -> DatasetMeta {
+fn meta_of(stored: &StoredSession, sensors: Vec<SensorSettings>) -> DatasetMeta {
     let mut options = FormatOptions::default();
     options.add("origin", &stored.spec.get("origin"));
-    let listed = stored.spec.get("sensors").cloned().unwrap_or_default();
-    let sensors: Vec<SensorSettings> = serde_json::from_value(listed).unwrap_or_default();
     let name = stored.name.clone();
     DatasetMeta {
         name: Some(name.unwrap_or_else(|| format!("session {}", stored.id))),

@@ -15,6 +15,7 @@ pub(super) fn info(stored: StoredSession) -> SessionInfo {
         closed_at: stored.closed_at,
         dataset_id: stored.dataset_id,
         job_id: stored.job_id,
+        track_ids: stored.track_ids,
         fault: stored.fault,
         request: stored.spec,
         live: None,
@@ -25,7 +26,9 @@ pub(super) fn told_of(session: &Session) -> SessionLive {
     let (tracks, confirmed) = session.count_tracks();
     SessionLive {
         counts: session.counts(),
+        is_paused: session.is_paused(),
         processed_to_s: session.processed_to_s(),
+        lag_s: session.lag_s(),
         waiting: session.waiting() as u64,
         tracks: tracks as u64,
         confirmed: confirmed as u64,

@@ -1,5 +1,6 @@
 //! Opening the tables, in either database.
 
+use super::migrations::{Migrations, POSTGRES_TABLES, SQLITE_TABLES};
 use super::recall::{Changes, Recall};
 use super::transaction::Change;
 use anyhow::{Context, bail, ensure};
@@ -11,57 +12,6 @@ use std::str::FromStr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use uuid::Uuid;
-
-/// Version, description and text of each migration; their texts never change.
-type Migrations = [(i64, &'static str, &'static str)];
-
-const SQLITE_TABLES: &Migrations = &[
-    (1, "start", include_str!("migrations/sqlite/0001_start.sql")),
-    (
-        2,
-        "bearing time",
-        include_str!("migrations/sqlite/0002_bearing_time.sql"),
-    ),
-    (
-        3,
-        "chunks",
-        include_str!("migrations/sqlite/0003_chunks.sql"),
-    ),
-    (4, "blobs", include_str!("migrations/sqlite/0004_blobs.sql")),
-    (
-        5,
-        "format options",
-        include_str!("migrations/sqlite/0005_format_options.sql"),
-    ),
-    (
-        6,
-        "sessions",
-        include_str!("migrations/sqlite/0006_sessions.sql"),
-    ),
-];
-
-const POSTGRES_TABLES: &Migrations = &[
-    (
-        3,
-        "start",
-        include_str!("migrations/postgres/0003_start.sql"),
-    ),
-    (
-        4,
-        "queue",
-        include_str!("migrations/postgres/0004_queue.sql"),
-    ),
-    (
-        5,
-        "format options",
-        include_str!("migrations/postgres/0005_format_options.sql"),
-    ),
-    (
-        6,
-        "sessions",
-        include_str!("migrations/postgres/0006_sessions.sql"),
-    ),
-];
 
 /// SQLite connections that may read at the same time.
 const READERS: u32 = 4;

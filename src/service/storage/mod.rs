@@ -14,6 +14,7 @@ mod events;
 mod filter;
 mod jobs;
 mod life;
+mod migrations;
 pub mod notices;
 mod outbox;
 mod page;

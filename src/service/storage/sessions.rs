@@ -8,7 +8,7 @@ use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::service::types::SessionState;
 use jiff::{SignedDuration, Timestamp};
-use serde_json::Value;
+use serde_json::{Value, json};
 use sqlx::any::AnyRow;
 use sqlx::{AnyConnection, Row};
 use std::collections::BTreeMap;
@@ -39,6 +39,7 @@ pub struct StoredSession {
     pub entries: u64,
     pub dataset_id: Option<Uuid>,
     pub job_id: Option<Uuid>,
+    pub track_ids: Option<Vec<String>>,
     pub created_at: Timestamp,
     pub closed_at: Option<Timestamp>,
     pub deleted: bool,
@@ -77,9 +78,11 @@ pub struct SessionEnd {
     pub fault: Option<Value>,
     pub dataset_id: Option<Uuid>,
     pub job_id: Option<Uuid>,
+    /// What the tracks of the job were called.
+    pub track_ids: Option<Vec<String>>,
 }
 
-const COLUMNS: &str = "SELECT id, name, labels, spec, state, fault, entries, dataset_id, job_id, created_at, closed_at,
+const COLUMNS: &str = "SELECT id, name, labels, spec, state, fault, entries, dataset_id, job_id, track_ids, created_at, closed_at,
     CASE WHEN deleted_at IS NULL THEN 0 ELSE 1 END AS deleted FROM sessions WHERE ";
 
 impl Storage {
@@ -242,13 +245,14 @@ impl Storage {
         };
         let mut change = self.begin().await?;
         let ended = sqlx::query(
-            "UPDATE sessions SET state = $1, fault = $2, dataset_id = $3, job_id = $4, closed_at = $5
-             WHERE id = $6 AND fence = $7 AND state = 'open'",
+            "UPDATE sessions SET state = $1, fault = $2, dataset_id = $3, job_id = $4, track_ids = $5, closed_at = $6
+             WHERE id = $7 AND fence = $8 AND state = 'open'",
         )
         .bind(state.name())
         .bind(end.fault.as_ref().map(Value::to_string))
         .bind(end.dataset_id.map(|id| id.to_string()))
         .bind(end.job_id.map(|id| id.to_string()))
+        .bind(end.track_ids.as_ref().map(|ids| json!(ids).to_string()))
         .bind(to_micros(now()))
         .bind(id.to_string())
         .bind(fence)
@@ -307,6 +311,7 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredSession> {
         text.map(|text| parse_id(&text)).transpose()
     };
     let fault: Option<String> = row.try_get("fault")?;
+    let track_ids: Option<String> = row.try_get("track_ids")?;
     let closed_at: Option<i64> = row.try_get("closed_at")?;
     Ok(StoredSession {
         id: parse_id(row.try_get("id")?)?,
@@ -318,6 +323,9 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredSession> {
         entries: row.try_get::<i64, _>("entries")?.cast_unsigned(),
         dataset_id: id_at("dataset_id")?,
         job_id: id_at("job_id")?,
+        track_ids: track_ids
+            .map(|text| serde_json::from_str(&text))
+            .transpose()?,
         created_at: from_micros(row.try_get("created_at")?)?,
         closed_at: closed_at.map(from_micros).transpose()?,
         deleted: row.try_get::<i64, _>("deleted")? != 0,

@@ -26,6 +26,11 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
         "A job that this job needs did not succeed",
     ),
     ("session_closed", 409, "The session takes no more"),
+    (
+        "session_paused",
+        409,
+        "The session takes no scans for the time being",
+    ),
     ("session_elsewhere", 409, "Another process has the session"),
     ("gone", 410, "It has been deleted"),
     ("payload_too_large", 413, "The body is too large"),

@@ -91,6 +91,11 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "Begin another session. What a closed one took is the dataset that it names.",
     ),
     (
+        "session_paused",
+        "Somebody paused the session; its tracks stay as they are.",
+        "Resume it, and push the scan again.",
+    ),
+    (
         "session_elsewhere",
         "Several processes share the database, and another one has the session.",
         "Ask the process whose address is told. When it has gone, any other takes the session over within 15 seconds.",

@@ -49,7 +49,7 @@ pub struct SessionInfo {
     pub name: Option<String>,
     pub labels: BTreeMap<String, String>,
     pub state: SessionState,
-    /// Entries of its log: scans, heartbeats, tracks ended by hand.
+    /// Entries of its log: scans, heartbeats, and what was done by hand.
     pub entries: u64,
     #[schema(value_type = String, format = DateTime)]
     pub created_at: Timestamp,
@@ -64,6 +64,11 @@ pub struct SessionInfo {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub job_id: Option<Uuid>,
+    /// Of a closed session: what the tracks 1, 2, … of the job were called while it was open. Absent where tracks were begun, ended or
+    /// dropped otherwise than by the rules that the job knows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub track_ids: Option<Vec<String>>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Object)]
@@ -81,10 +86,16 @@ pub struct SessionInfo {
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct SessionLive {
     pub counts: SessionCounts,
+    /// Whether it takes no scans for the time being.
+    pub is_paused: bool,
     /// Time of the last scan that the tracker took.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub processed_to_s: Option<f64>,
+    /// How far the tracker is behind what was heard of the sensors, in their time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub lag_s: Option<f64>,
     /// Scans that wait for others.
     pub waiting: u64,
     /// Living tracks.

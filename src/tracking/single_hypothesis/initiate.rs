@@ -35,6 +35,39 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         self.memory.push(track, self.filter.begin(&kinematics));
     }
 
+    /// A track that somebody begins at the last scan.
+    pub(super) fn begin_by_hand(
+        &mut self,
+        packed: &[f64],
+        recorder: &mut dyn Recorder,
+    ) -> Option<u32> {
+        let kinematics = GaussianState::unpacked(packed)?;
+        let belief = self.filter.begin(&kinematics);
+        let time_s = self.memory.last_time_s.unwrap_or(0.0);
+        let track = ActiveTrack {
+            serial: self.memory.next_serial(),
+            life: self.lifecycle.begin_by_hand(time_s),
+            origin: None,
+        };
+        self.scratch.pack(&kinematics, None::<&F::Belief>);
+        recorder.point(&RecordedPoint {
+            serial: track.serial,
+            scan_index: self.memory.scans.saturating_sub(1),
+            time_s,
+            known_at_s: time_s,
+            sensor: 0,
+            status: track.life.status(),
+            existence: self.lifecycle.existence_of(&track.life),
+            kinematics: &self.scratch.kinematics,
+            belief: &self.scratch.belief,
+            nis: None,
+            modes: F::mode_probabilities(&belief),
+            candidates: &[],
+        });
+        self.memory.push(track, belief);
+        Some(track.serial)
+    }
+
     /// Starts tracks with the detections that no track used, and counts these.
     pub(super) fn initiate(
         &mut self,

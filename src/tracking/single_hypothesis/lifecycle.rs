@@ -236,6 +236,19 @@ impl Lifecycle {
         life
     }
 
+    /// A track that somebody begins: confirmed, as probable as others are when they are, and seen by any sensor.
+    pub(super) fn begin_by_hand(&self, time_s: f64) -> TrackLifecycleState {
+        let rule = self.existence_rule();
+        TrackLifecycleState {
+            hits: 1,
+            last_time_s: time_s,
+            seen_by: [u64::MAX; 2],
+            is_permanent: false,
+            existence: rule.map_or(1.0, |rule| rule.confirm_existence),
+            ..TrackLifecycleState::permanent()
+        }
+    }
+
     /// One more scan.
     #[inline]
     pub(super) fn advance(&self, life: &mut TrackLifecycleState, glance: &Glance) {

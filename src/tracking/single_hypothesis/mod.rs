@@ -344,6 +344,10 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
         estimates
     }
 
+    fn begin(&mut self, kinematics: &[f64], recorder: &mut dyn Recorder) -> Option<u32> {
+        self.begin_by_hand(kinematics, recorder)
+    }
+
     fn forget(&mut self, serials: &[u32], recorder: &mut dyn Recorder) {
         for track in &mut self.memory.tracks {
             if serials.contains(&track.serial) {

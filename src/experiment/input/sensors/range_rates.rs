@@ -3,6 +3,7 @@
 use crate::experiment::input::extent::{detections_of, length};
 use crate::experiment::request::methods::NamedFilter;
 use crate::model::scan::{Detection, Measurement, Recording};
+use crate::model::sensor::SensorSettings;
 use crate::model::space::Space;
 
 /// The range rate of a detection; a flat tracker cannot use those along a slant.
@@ -49,8 +50,12 @@ pub fn uses_range_rates(
     usable == all
 }
 
-/// The interval over which a sensor's range rates reach; at least 1 m/s, so that a density over it exists.
-pub fn range_rate_span_mps(recording: &Recording, sensor: usize) -> f64 {
+/// The interval over which a sensor's range rates reach: as it is stated, else that of the data; at least 1 m/s then, so that a
+/// density over it exists.
+pub fn range_rate_span_mps(recording: &Recording, sensor: usize, stated: &SensorSettings) -> f64 {
+    if let Some(span_mps) = stated.range_rate_span_mps {
+        return span_mps;
+    }
     let detections = detections_of(recording, sensor);
     length(detections.filter_map(|detection| range_rate_of(detection, false))).max(1.0)
 }

@@ -27,9 +27,11 @@ pub fn with_velocities(
         other => return other,
     };
     let velocities: Vec<[f64; 2]> = reported(recording, sensor).collect();
-    if velocities.is_empty() {
+    let stated_mps = settings.velocity_span_mps;
+    if velocities.is_empty() && stated_mps.is_none() {
         return report;
     }
+    let span_mps = |axis| stated_mps.unwrap_or_else(|| span(&velocities, axis));
     let sigma_speed_mps = settings.sigma_speed_mps.unwrap_or_else(|| {
         warnings.push(format!(
             "sensor '{}': the noise of its velocities is not known; {ASSUMED_SIGMA_MPS} m/s is assumed: 'sigma_speed_mps' says it",
@@ -45,7 +47,7 @@ pub fn with_velocities(
         velocity: VelocityNoise {
             sigma_speed_mps,
             sigma_course_rad: settings.sigma_course_deg.map(f64::to_radians),
-            area_m2ps2: span(&velocities, 0) * span(&velocities, 1),
+            area_m2ps2: span_mps(0) * span_mps(1),
         },
         tells_velocity: true,
     })

@@ -8,19 +8,8 @@ use crate::model::own::{Own, OwnNoise};
 use crate::model::scan::Recording;
 use std::io;
 
-/// Of the noise, in the order of [`OwnNoise::values`].
-pub const COLUMNS: [&str; 10] = [
-    "sigma_x_m",
-    "sigma_y_m",
-    "correlation_xy",
-    "sigma_z_m",
-    "sigma_range_m",
-    "sigma_bearing_deg",
-    "sigma_elevation_deg",
-    "sigma_range_rate_mps",
-    "sigma_speed_mps",
-    "sigma_course_deg",
-];
+/// Of the noise.
+pub const COLUMNS: [&str; 10] = OwnNoise::NAMES;
 
 const CORRELATION: usize = 2;
 /// Those in degrees.
@@ -55,12 +44,9 @@ impl OwnColumns {
             values[index] = reader.optional_number(*column);
             check(index, (*column, values[index]), reader);
         }
-        for index in ANGLES {
-            values[index] = values[index].map(f64::to_radians);
-        }
         Own {
             after_s: 0.0,
-            noise: OwnNoise::from_values(values),
+            noise: OwnNoise::from_named(values),
             velocity_mps: self.velocity(reader),
         }
     }

@@ -4,9 +4,8 @@ use crate::formats::table::Sink;
 use crate::formats::table::degrees::degrees;
 use crate::formats::table::header::Header;
 use crate::formats::table::row::RowReader;
-use crate::model::pose::{Attitude, Pose, PoseSigmas};
+use crate::model::pose::Pose;
 use crate::model::scan::Recording;
-use crate::model::space::Place;
 use std::io;
 
 /// East and north come together; the others need both.
@@ -72,7 +71,7 @@ impl PoseColumns {
             let detail = format!("'{}' and '{}' are needed with it", PLACE[0], PLACE[1]);
             reader.fault(column, "missing", detail);
         }
-        (is_placed && reader.is_sound()).then(|| pose_of(&values))
+        (is_placed && reader.is_sound()).then(|| Pose::from_named(&values))
     }
 
     /// Reports a value that no pose has.
@@ -88,39 +87,6 @@ impl PoseColumns {
             reader.fault_allowing(column, "out_of_range", detail, "above -90 and below 90 deg");
         }
     }
-}
-
-fn pose_of(values: &[Option<f64>; COLUMNS.len()]) -> Pose {
-    let is_turned = values[HEADING..SIGMAS].iter().any(Option::is_some);
-    let [heading_rad, pitch_rad, roll_rad] = angles_of(values, HEADING);
-    let attitude = Attitude {
-        heading_rad,
-        pitch_rad,
-        roll_rad,
-    };
-    let [heading_rad, pitch_rad, roll_rad] = angles_of(values, SIGMAS + 6);
-    Pose {
-        place: place_of(values, 0),
-        velocity: place_of(values, 3),
-        attitude: is_turned.then_some(attitude),
-        sigmas: PoseSigmas {
-            place: place_of(values, SIGMAS),
-            velocity: place_of(values, SIGMAS + 3),
-            heading_rad,
-            pitch_rad,
-            roll_rad,
-        },
-    }
-}
-
-/// Three values that begin at `first`.
-fn place_of(values: &[Option<f64>; COLUMNS.len()], first: usize) -> Place {
-    Place::from_fn(|axis, _| values[first + axis].unwrap_or_default())
-}
-
-/// The same as angles, which are in degrees there.
-fn angles_of(values: &[Option<f64>; COLUMNS.len()], first: usize) -> [f64; 3] {
-    place_of(values, first).map(f64::to_radians).into()
 }
 
 /// The cells of a pose.
