@@ -36,7 +36,8 @@ RUNS = "2"
 DETECTIONS = {"source": "dataset", "dataset_id": "DETECTIONS"}
 TRUTH = {"source": "dataset", "dataset_id": "TRUTH"}
 LIVE_SESSION = '{\n  "name": "harbour"'
-PUSHED_SCAN = '{"sensor_id": "radar", "sequence"'
+PUSHED_SCANS = ('{"sensor_id": "radar", "sequence"', '{"sensor_id": "radar", "time"')
+HAND_TRACK = '{"x_m": 4000.0'
 PARTS = {
     '"tfa":': lambda part: ("evaluate", {"input": DETECTIONS, "truth": TRUTH, "sensors": SENSORS, **json.loads("{" + part + "}")}),
     '{"source": "file", "path": "levels.npy"': "a source; tests/domain/bearing_time.rs reads such a file",
@@ -208,6 +209,12 @@ class Session:
         answer = self.post(f"/v1/sessions/{self.live}/scans", scan)
         check(answer["scans"][0]["fate"] in ("taken", "waiting"), f"{answer}")
 
+    def begin_track(self, body):
+        """A track of that session, once it has seen a scan, be it late."""
+        self.post(f"/v1/sessions/{self.live}/scans", {"sensor_id": "radar", "time_s": 1.7e9})
+        answer = self.post(f"/v1/sessions/{self.live}/tracks", body)
+        check(answer["status"] == "confirmed" and answer["x_m"] == body["x_m"], f"{answer}")
+
     def example(self, path, body):
         """An example of the API document, with ids of things that exist."""
         self.name_sources(body)
@@ -215,6 +222,8 @@ class Session:
             self.begin(body)
         elif path == "/v1/sessions/{id}/scans":
             self.push(body)
+        elif path == "/v1/sessions/{id}/tracks":
+            self.begin_track(body)
         elif path == "/v1/validate":
             answer = self.post(path, body)
             check(answer["valid"], f"{answer['errors']}")
@@ -298,8 +307,10 @@ def main(program, address, openapi, *names):
                 print(f"skipped  {name}  ({part})")
             elif block.startswith(LIVE_SESSION):
                 tried(name, failures, lambda: session.begin(json.loads(block)))
-            elif block.startswith(PUSHED_SCAN):
+            elif block.startswith(PUSHED_SCANS):
                 tried(name, failures, lambda: session.push(json.loads(block)))
+            elif block.startswith(HAND_TRACK):
+                tried(name, failures, lambda: session.begin_track(json.loads(block)))
             elif part:
                 tried(name, failures, lambda: session.part(block, part))
             else:

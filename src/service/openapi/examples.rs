@@ -165,7 +165,7 @@ pub(super) fn scan() -> Vec<(&'static str, Value)> {
         (
             "Of a ship that moves",
             json!({
-                "sensor_id": "radar", "time": "2026-01-31T12:00:00.25Z",
+                "sensor_id": "radar", "time": "2023-11-14T22:13:21.25Z",
                 "pose": {"x_m": 120.0, "y_m": 40.0, "heading_deg": 87.5},
                 "detections": [{"range_m": 4012.5, "bearing_deg": -31.25}]
             }),
