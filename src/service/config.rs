@@ -11,6 +11,8 @@ use std::time::Duration;
 pub struct Config {
     /// Port 0 takes any free port.
     pub listen: SocketAddr,
+    /// Where others reach it, if not at the address on which it listens.
+    pub public_url: Option<String>,
     /// Names besides `localhost` and the addresses themselves by which the service is asked.
     pub allowed_hosts: Vec<String>,
     pub connections: ConnectionLimits,
@@ -43,6 +45,7 @@ impl Config {
     pub fn new(data_dir: impl Into<PathBuf>) -> Self {
         Config {
             listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
+            public_url: None,
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
             max_upload_bytes: 1 << 30,

@@ -101,6 +101,9 @@ impl Server {
             .await
             .with_context(|| format!("cannot listen on {}", config.listen))?;
         let address = listener.local_addr()?;
+        let reached_at = config.public_url.clone();
+        let reached_at = reached_at.unwrap_or_else(|| format!("http://{address}"));
+        jobs.sessions().are_reached_at(reached_at);
         let stop = CancellationToken::new();
         let serving = tokio::spawn(connections::serve(
             listener,

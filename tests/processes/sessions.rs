@@ -66,24 +66,32 @@ async fn push(server: &Server, id: &str, index: u64) -> Option<Value> {
     answer.json().await.ok()
 }
 
-/// Tracks and events of a session.
+/// Tracks and the latest events of a session.
 async fn state(server: &Server, id: &str) -> (Value, Value) {
     let tracks = server.get(&format!("/v1/sessions/{id}/tracks")).await;
+    let after = tracks["last_event"].as_u64().unwrap().saturating_sub(400);
     let events = server
-        .get(&format!("/v1/sessions/{id}/history?after=0"))
+        .get(&format!("/v1/sessions/{id}/history?after={after}"))
         .await;
     (tracks, events)
 }
 
+/// How often each session is killed: tests/sessions.sh asks for more.
+fn kills_of_each() -> u64 {
+    let asked = std::env::var("TRACKLOOM_SESSION_KILLS").ok();
+    asked.map_or(25, |text| text.parse().unwrap())
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_session_that_is_killed_again_and_again_is_the_one_that_never_was() {
-    const SCANS: u64 = 400;
-    const KILLS: usize = 25;
+    /// Scans from kill to kill: with 25 kills more scans than a checkpoint waits for.
+    const BETWEEN: u64 = 24;
+    let (kills_of_each, scans) = (kills_of_each(), kills_of_each() * BETWEEN);
     for late in ["drop", "replay"] {
         let (data, quiet) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let whole = Server::start(quiet.path(), &[]);
         let wanted_id = begin(&whole, &request(late)).await;
-        for index in order(SCANS) {
+        for index in order(scans) {
             push(&whole, &wanted_id, index).await.unwrap();
         }
         let wanted = state(&whole, &wanted_id).await;
@@ -92,8 +100,8 @@ async fn a_session_that_is_killed_again_and_again_is_the_one_that_never_was() {
         let mut server = Some(Server::start(data.path(), &[]));
         let id = begin(server.as_ref().unwrap(), &request(late)).await;
         let (mut kills, mut acknowledged) = (0, 0);
-        for (place, index) in order(SCANS).into_iter().enumerate() {
-            let is_due = place % (SCANS as usize / KILLS) == 7;
+        for (place, index) in order(scans).into_iter().enumerate() {
+            let is_due = place as u64 % BETWEEN == 7;
             if is_due {
                 // Killed while a push is on its way, a little later each time.
                 let running = server.take().unwrap();
@@ -107,7 +115,7 @@ async fn a_session_that_is_killed_again_and_again_is_the_one_that_never_was() {
                         .await
                         .is_ok_and(|answer| answer.status() == 200)
                 });
-                tokio::time::sleep(Duration::from_micros(300 * kills as u64)).await;
+                tokio::time::sleep(Duration::from_micros(300 * (kills % 25))).await;
                 running.kill();
                 kills += 1;
                 let was_acknowledged = pushing.await.unwrap();
@@ -124,7 +132,7 @@ async fn a_session_that_is_killed_again_and_again_is_the_one_that_never_was() {
             acknowledged = pushed["entries"].as_u64().unwrap();
             assert_eq!(acknowledged, place as u64 + 1, "taken twice, or lost");
         }
-        assert_eq!(kills, KILLS);
+        assert_eq!(kills, kills_of_each);
         let found = state(server.as_ref().unwrap(), &id).await;
         assert_eq!(found.0.to_string(), wanted.0.to_string(), "{late}");
         assert_eq!(found.1.to_string(), wanted.1.to_string(), "{late}");
@@ -159,6 +167,8 @@ async fn a_session_is_in_one_process_and_another_takes_it_over() {
     assert_eq!(refused.status(), 409);
     let told: Value = refused.json().await.unwrap();
     assert_eq!(told["type"], "/problems/session_elsewhere", "{told}");
+    let detail = told["detail"].as_str().unwrap();
+    assert!(detail.contains(&format!("{};", first.url)), "{detail}");
     let before = state(&first, &id).await;
     first.kill();
     let since = Instant::now();

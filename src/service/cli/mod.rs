@@ -100,6 +100,10 @@ struct ServeArguments {
     /// Address to listen on; port 0 takes any free port
     #[arg(long, env = "TRACKLOOM_LISTEN", default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
+    /// Where others reach this server, such as http://tracker-1.example.org:8080: told to who asks another server for a session that
+    /// this one has; the address on which it listens when absent
+    #[arg(long, env = "TRACKLOOM_PUBLIC_URL", value_name = "URL")]
+    public_url: Option<String>,
     /// Data directory: database, uploads, results
     #[arg(long, env = "TRACKLOOM_DATA_DIR", default_value = "trackloom-data")]
     data: PathBuf,
@@ -152,6 +156,7 @@ impl ServeArguments {
     fn config(&self) -> Config {
         let mut config = Config::new(&self.data);
         config.listen = self.listen;
+        config.public_url.clone_from(&self.public_url);
         self.access.apply(&mut config);
         config.queue_limit = self.queue_limit;
         self.jobs.apply(&mut config);

@@ -89,8 +89,7 @@ impl Jobs {
         let desks = (desk(UPLOADS), looks.clone());
         let datasets = Datasets::new(storage.clone(), blobs.clone(), desks, closing.clone());
         let datasets = Arc::new(datasets);
-        let address = config.listen.to_string();
-        let sessions = Sessions::new(storage.clone(), datasets.clone(), address, closing.clone());
+        let sessions = Sessions::new(storage.clone(), datasets.clone(), closing.clone());
         Ok(Jobs {
             room,
             blobs,

@@ -21,7 +21,7 @@ use live::Live;
 use log::Log;
 use serde_json::Value;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use told::{info, told_of};
@@ -39,8 +39,8 @@ pub struct Sessions {
     storage: Storage,
     datasets: Arc<Datasets>,
     log: Log,
-    /// Where other processes reach this one.
-    address: String,
+    /// Where others reach this process, once it listens.
+    address: OnceLock<String>,
     live: Mutex<HashMap<Uuid, Arc<Live>>>,
     /// Held while a session is read from its log.
     opening: tokio::sync::Mutex<()>,
@@ -48,17 +48,12 @@ pub struct Sessions {
 }
 
 impl Sessions {
-    pub fn new(
-        storage: Storage,
-        datasets: Arc<Datasets>,
-        address: String,
-        closing: CancellationToken,
-    ) -> Arc<Self> {
+    pub fn new(storage: Storage, datasets: Arc<Datasets>, closing: CancellationToken) -> Arc<Self> {
         let sessions = Arc::new(Sessions {
             log: Log::start(storage.clone()),
             storage,
             datasets,
-            address,
+            address: OnceLock::new(),
             live: Mutex::default(),
             opening: tokio::sync::Mutex::default(),
             closing,
@@ -77,6 +72,11 @@ impl Sessions {
             }
         });
         sessions
+    }
+
+    /// Says where others reach this process, which does not change.
+    pub fn are_reached_at(&self, url: String) {
+        self.address.get_or_init(|| url);
     }
 
     async fn renew(&self) {
@@ -223,7 +223,7 @@ impl Sessions {
         if self.all_live().len() >= MOST_OPEN {
             return Err(ServiceError::SessionFull);
         }
-        let fence = match self.storage.lease_session(stored.id, &self.address).await? {
+        let fence = match self.lease(stored.id).await? {
             Lease::Ours { fence } => fence,
             Lease::Theirs { address } => {
                 let there = address.unwrap_or_else(|| "another process".to_owned());
@@ -235,6 +235,11 @@ impl Sessions {
         let mut all = self.live.lock().unwrap_or_else(PoisonError::into_inner);
         all.insert(stored.id, live.clone());
         Ok(live)
+    }
+
+    async fn lease(&self, id: Uuid) -> anyhow::Result<Lease> {
+        let address = self.address.get().map_or("", String::as_str);
+        self.storage.lease_session(id, address).await
     }
 
     /// From the checkpoint and the entries since; from all entries where another version wrote the checkpoint.

@@ -6,11 +6,16 @@ import { readFileSync } from "node:fs";
 import type { DatasetInfo, Job, Problem } from "./generated";
 import {
   createAssociateJob,
+  closeSession,
   createJob,
+  createSession,
   downloadDataset,
   getJob,
   getJobReport,
+  listSessionTracks,
+  pushScans,
   streamJobEvents,
+  streamSessionEvents,
   uploadRawDataset,
 } from "./generated";
 import { client } from "./generated/client.gen";
@@ -82,4 +87,38 @@ same(
   [problem?.status, problem?.code, problem?.errors?.map((fault) => [fault.pointer, fault.code])],
   [422, "validation", [["/seed", "out_of_range"]]],
 );
+// A live session, its events followed while scans are pushed.
+const session = (
+  await createSession({
+    body: {
+      sensors: [
+        { sensor_id: "radar", p_d: 0.95, clutter_per_m2: 1e-9, sigma_x_m: 10, sigma_y_m: 10 },
+      ],
+      tracker: { initial_speed_sigma_mps: 60 },
+    },
+    throwOnError: true,
+  })
+).data;
+const path = { id: session.id };
+async function pushAll(): Promise<void> {
+  for (let index = 0; index < 4; index++) {
+    const detections = [{ x_m: 100 * index, y_m: 5 }];
+    const body = { sensor_id: "radar", sequence: index, time_s: 2 * index, detections };
+    const pushed = (await pushScans({ path, body, throwOnError: true })).data;
+    same([pushed.entries, pushed.scans[0]?.fate], [index + 1, "taken"]);
+  }
+}
+const pushing = pushAll();
+const kinds: string[] = [];
+const { stream } = await streamSessionEvents({ path });
+for await (const event of stream) {
+  kinds.push(event.kind);
+  if (event.kind === "confirmed") break;
+}
+await pushing;
+same(kinds, ["started", "confirmed"]);
+const live = (await listSessionTracks({ path, query: { at_s: 8 }, throwOnError: true })).data;
+same([live.tracks.length, Math.round((live.tracks[0]?.x_m ?? 0) / 10)], [1, 40]);
+const closed = (await closeSession({ path, throwOnError: true })).data;
+same([closed.state, closed.track_ids], ["closed", ["1"]]);
 console.log("@hey-api/openapi-ts: ok");

@@ -85,4 +85,25 @@ same(
   [problem?.status, problem?.code, problem?.errors?.map((fault) => [fault.pointer, fault.code])],
   [422, "validation", [["/seed", "out_of_range"]]],
 );
+// A live session.
+const made = await client.POST("/v1/sessions", {
+  body: {
+    sensors: [
+      { sensor_id: "radar", p_d: 0.95, clutter_per_m2: 1e-9, sigma_x_m: 10, sigma_y_m: 10 },
+    ],
+    tracker: { initial_speed_sigma_mps: 60 },
+  },
+});
+if (!made.data) throw new Error(made.error.detail);
+const params = { path: { id: made.data.id } };
+for (let index = 0; index < 4; index++) {
+  const detections = [{ x_m: 100 * index, y_m: 5 }];
+  const body = { sensor_id: "radar", sequence: index, time_s: 2 * index, detections };
+  const pushed = await client.POST("/v1/sessions/{id}/scans", { params, body });
+  same([pushed.data?.entries, pushed.data?.scans[0]?.fate], [index + 1, "taken"]);
+}
+const live = await client.GET("/v1/sessions/{id}/tracks", { params });
+same([live.data?.tracks.length, live.data?.tracks[0]?.status], [1, "confirmed"]);
+const closed = await client.POST("/v1/sessions/{id}/close", { params });
+same([closed.data?.state, closed.data?.track_ids], ["closed", ["1"]]);
 console.log("openapi-typescript and openapi-fetch: ok");

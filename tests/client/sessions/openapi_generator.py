@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from openapi_client import ApiClient, Configuration, DatasetsApi, JobsApi, ResultsApi
+from openapi_client import ApiClient, Configuration, DatasetsApi, JobsApi, ResultsApi, SessionsApi
 from openapi_client.exceptions import UnprocessableEntityException
 from openapi_client.models import (
     AssociateRequest,
@@ -20,7 +20,11 @@ from openapi_client.models import (
     JobState,
     NearestNeighbour,
     Problem,
+    PushedDetection,
+    PushedScan,
     SensorSettings,
+    SessionRequest,
+    SessionState,
     TrackerSettings,
 )
 
@@ -74,6 +78,20 @@ def be_refused(jobs, detections):
     raise AssertionError("the request was not refused")
 
 
+def live(sessions):
+    radar = SensorSettings(sensor_id="radar", p_d=0.95, clutter_per_m2=1e-9, sigma_x_m=10.0, sigma_y_m=10.0)
+    body = SessionRequest(sensors=[radar], tracker=TrackerSettings(initial_speed_sigma_mps=60.0))
+    session = sessions.create_session(body)
+    for index in range(4):
+        detections = [PushedDetection(x_m=100.0 * index, y_m=5.0)]
+        pushed = sessions.push_scans(session.id, PushedScan(sensor_id="radar", time_s=2.0 * index, detections=detections))
+        assert (pushed.entries, pushed.scans[0].sequence) == (index + 1, index + 1), pushed
+    tracks = sessions.list_session_tracks(session.id).tracks
+    assert len(tracks) == 1 and abs(tracks[0].x_m - 300.0) < 10.0, tracks
+    assert [event.kind.value for event in sessions.get_session_history(session.id).items] == ["started", "confirmed"]
+    assert sessions.close_session(session.id).state == SessionState.CLOSED
+
+
 def main():
     client = ApiClient(Configuration(host=sys.argv[1]))
     datasets, jobs, results = DatasetsApi(client), JobsApi(client), ResultsApi(client)
@@ -85,6 +103,7 @@ def main():
     counts = report.result.tfa.counts
     assert (counts.targets, counts.correct, counts.missed, counts.var_false) == (2, 2, 0, 0), counts
     be_refused(jobs, detections)
+    live(SessionsApi(client))
     print("openapi-generator, python: ok")
 
 

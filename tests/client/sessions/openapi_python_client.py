@@ -24,6 +24,16 @@ from trackloom_client.api.jobs import (
     list_jobs,
     validate_job,
 )
+from trackloom_client.api.sessions import (
+    begin_session_track,
+    close_session,
+    create_session,
+    get_session_history,
+    list_session_tracks,
+    pause_session,
+    push_scans,
+    resume_session,
+)
 from trackloom_client.api.results import get_job_plan, get_job_report, get_job_series, list_job_artifacts
 from trackloom_client.models import (
     AssociateReport,
@@ -39,15 +49,23 @@ from trackloom_client.models import (
     EvaluateRequest,
     EvaluateSpec,
     EvaluateSpecKind,
+    HandTrack,
     Job,
     JobSource,
     JobSourceSource,
     JobState,
+    LiveTrack,
     NearestNeighbour,
     NearestNeighbourMethod,
     PlanView,
     Problem,
+    PushedDetection,
+    PushedScan,
     SensorSettings,
+    SessionEventKind,
+    SessionInfo,
+    SessionRequest,
+    SessionState,
     SimulateRequest,
     TfaVerdict,
     TrackerSettings,
@@ -190,6 +208,32 @@ def cancel(client):
     assert list_jobs.sync(client=client, state="canceled", count=True).total == 1
 
 
+def live(client):
+    """A live session: scans in, tracks and events out, closed into a job."""
+    radar = SensorSettings(sensor_id="radar", p_d=0.95, clutter_per_m2=1e-9, sigma_x_m=10.0, sigma_y_m=10.0)
+    body = SessionRequest(sensors=[radar], tracker=TrackerSettings(initial_speed_sigma_mps=60.0), name="live")
+    session = typed(create_session.sync(client=client, body=body), SessionInfo)
+    for index in range(4):
+        scan = PushedScan(sensor_id="radar", sequence=index, time_s=2.0 * index, detections=[PushedDetection(x_m=100.0 * index, y_m=5.0)])
+        pushed = push_scans.sync(client=client, id=session.id, body=scan)
+        assert (pushed.scans[0].fate, pushed.processed_to_s) == ("taken", 2.0 * index), pushed
+    twice = push_scans.sync(client=client, id=session.id, body=scan)
+    assert (twice.scans[0].fate, twice.entries) == ("duplicate", 4), twice
+    tracks = list_session_tracks.sync(client=client, id=session.id, at_s=8.0).tracks
+    assert len(tracks) == 1 and abs(tracks[0].x_m - 400.0) < 10.0 and tracks[0].status == "confirmed", tracks
+    kinds = [event.kind for event in get_session_history.sync(client=client, id=session.id).items]
+    assert kinds == [SessionEventKind.STARTED, SessionEventKind.CONFIRMED], kinds
+    hand = HandTrack(x_m=9000.0, y_m=0.0, sigma_m=30.0, sigma_mps=5.0)
+    assert typed(begin_session_track.sync(client=client, id=session.id, body=hand), LiveTrack).track_id == "2"
+    assert pause_session.sync(client=client, id=session.id).live.is_paused
+    refused = push_scans.sync_detailed(client=client, id=session.id, body=scan)
+    assert refused.status_code == 409 and typed(refused.parsed, Problem).code == "session_paused", refused
+    assert not resume_session.sync(client=client, id=session.id).live.is_paused
+    closed = typed(close_session.sync(client=client, id=session.id), SessionInfo)
+    assert closed.state == SessionState.CLOSED
+    assert ended(client, get_job.sync(client=client, id=closed.job_id)).state == JobState.SUCCEEDED
+
+
 SCENARIO = """
 {"scenario": {"scans": 100000, "scan_period_s": 1.0,
   "sensors": [{"sensor_id": "radar", "max_range_m": 20000, "p_d": 0.9, "sigma_x_m": 30, "sigma_y_m": 30, "clutter_per_scan": 100}],
@@ -206,6 +250,7 @@ def main():
     look(client, judged)
     be_refused(client, detections)
     cancel(client)
+    live(client)
     print("openapi-python-client: ok")
 
 

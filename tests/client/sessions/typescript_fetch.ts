@@ -12,6 +12,7 @@ import {
   ProblemFromJSON,
   ResponseError,
   ResultsApi,
+  SessionsApi,
 } from "./generated/index";
 
 const [address = "", data = ""] = process.argv.slice(2);
@@ -84,4 +85,22 @@ same(
   [problem.status, problem.code, problem.errors?.map((fault) => [fault.pointer, fault.code])],
   [422, "validation", [["/seed", "out_of_range"]]],
 );
+// A live session.
+const sessions = new SessionsApi(configuration);
+const { id } = await sessions.createSession({
+  sessionRequest: {
+    sensors: [{ sensorId: "radar", pD: 0.95, clutterPerM2: 1e-9, sigmaXM: 10, sigmaYM: 10 }],
+    tracker: { initialSpeedSigmaMps: 60 },
+  },
+});
+for (let index = 0; index < 4; index++) {
+  const detections = [{ xM: 100 * index, yM: 5 }];
+  const pushedScan = { sensorId: "radar", sequence: index, timeS: 2 * index, detections };
+  const pushed = await sessions.pushScans({ id, pushedScan });
+  same([pushed.entries, pushed.scans[0]?.fate], [index + 1, "taken"]);
+}
+const { tracks } = await sessions.listSessionTracks({ id });
+same([tracks.length, tracks[0]?.status], [1, "confirmed"]);
+const closed = await sessions.closeSession({ id });
+same([closed.state, closed.trackIds], ["closed", ["1"]]);
 console.log("openapi-generator, typescript-fetch: ok");
