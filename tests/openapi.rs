@@ -7,7 +7,7 @@ use trackloom::experiment::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 54] = [
+const OPERATIONS: [&str; 55] = [
     "cancelJob",
     "closeSession",
     "compareJobs",
@@ -42,6 +42,7 @@ const OPERATIONS: [&str; 54] = [
     "getReadiness",
     "getSession",
     "getSessionHistory",
+    "getSessionPicture",
     "getSessionTrack",
     "getVersion",
     "listDatasets",

@@ -31,7 +31,7 @@ fn request(more: Value) -> Value {
     body
 }
 
-fn scene(more: Value) -> Arc<Scene> {
+pub fn scene(more: Value) -> Arc<Scene> {
     Arc::new(Scene::plan(&request(more)).unwrap_or_else(|faults| panic!("{faults:?}")))
 }
 
@@ -87,7 +87,7 @@ fn entry(scan: &Value, scene: &Scene) -> Entry {
     Entry::Scan(read_scan(scan, scene).unwrap_or_else(|faults| panic!("{faults:?}")))
 }
 
-fn push(session: &mut Session, scan: &Value) -> EntryFate {
+pub fn push(session: &mut Session, scan: &Value) -> EntryFate {
     let entry = entry(scan, &session.scene().clone());
     let checked = session.checking().check(entry).unwrap();
     match checked {

@@ -8,6 +8,7 @@ mod events;
 mod feeds;
 mod line;
 mod order;
+mod picture;
 mod recording;
 mod reports;
 mod scene;
@@ -19,6 +20,7 @@ mod written;
 pub use checking::{Checked, Checking};
 pub use entry::{Entry, PUSHED_SCAN, PushedScan, read_scan};
 pub use events::{SessionEvent, SessionEventKind};
+pub use picture::{SeenScan, SensorPlace, SessionPicture, TrackWay};
 pub use recording::SessionRecording;
 pub use scene::Scene;
 pub use spec::{LatePolicy, SESSION};
@@ -29,6 +31,7 @@ use events::{EventRing, serial_of};
 use feeds::{Admission, Feed};
 use line::{Kept, Line};
 use order::{Course, Fate, Order};
+use picture::RecentScans;
 use std::sync::Arc;
 use trails::Trails;
 
@@ -40,6 +43,7 @@ pub struct Session {
     line: Line,
     order: Order,
     trails: Trails,
+    recent: RecentScans,
     events: EventRing,
     counts: SessionCounts,
 }
@@ -68,6 +72,7 @@ impl Session {
             line: Line::new(&scene),
             order: Order::default(),
             trails: Trails::default(),
+            recent: RecentScans::default(),
             events: EventRing::default(),
             counts: SessionCounts::default(),
             scene,
@@ -125,6 +130,7 @@ impl Session {
         let mut course = Course {
             line: &mut self.line,
             trails: &mut self.trails,
+            recent: &mut self.recent,
             scene: &self.scene,
         };
         if is_heartbeat {
@@ -165,6 +171,7 @@ impl Session {
         let mut course = Course {
             line: &mut self.line,
             trails: &mut self.trails,
+            recent: &mut self.recent,
             scene: &self.scene,
         };
         self.order.flush(&mut course)?;

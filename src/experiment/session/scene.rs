@@ -31,6 +31,8 @@ pub struct Scene {
     /// As they are used.
     sensors: Vec<Sensor>,
     reports: Vec<Reports>,
+    /// What is known of them, with their places in the plane.
+    known: Vec<SensorSettings>,
     sensor_ids: Vec<String>,
     /// Of the associator.
     needs: Needs,
@@ -102,6 +104,7 @@ impl Scene {
             tracking: typed.tracking,
             filter,
             sensors: resolved,
+            known,
             reports: typed.sensors.iter().filter_map(Reports::of).collect(),
             sensor_ids: typed.sensors.into_iter().map(|one| one.sensor_id).collect(),
             needs,
@@ -142,6 +145,10 @@ impl Scene {
 
     pub fn space(&self) -> Space {
         self.filter.filter.space()
+    }
+
+    pub fn known_sensors(&self) -> &[SensorSettings] {
+        &self.known
     }
 
     pub fn sensor_ids(&self) -> &[String] {

@@ -16,6 +16,7 @@ mod layers;
 mod problems;
 mod query;
 mod raw_upload;
+mod session_picture;
 mod sessions;
 mod state;
 mod streams;
@@ -40,6 +41,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(compare::routes())
         .merge(datasets::routes())
         .merge(sessions::routes())
+        .merge(session_picture::routes())
         .merge(catalogue::routes())
         .merge(system::routes())
         .merge(problems::routes())

@@ -1,7 +1,9 @@
 //! Live sessions: made, fed, asked, closed. A session lives in one process at a time; its log in the tables is the truth.
 
+mod ending;
 mod live;
 mod log;
+mod picture;
 mod recording;
 mod told;
 
@@ -15,6 +17,7 @@ use crate::experiment::session::{Entry, Scene, Session, SessionEvent, read_scan}
 use crate::model::fault::Fault;
 use crate::service::build_info::VERSION;
 use anyhow::Context;
+use ending::Ending;
 use futures::{Stream, stream};
 use live::Live;
 use log::Log;
@@ -43,6 +46,7 @@ pub struct Sessions {
     live: Mutex<HashMap<Uuid, Arc<Live>>>,
     /// Held while a session is read from its log.
     opening: tokio::sync::Mutex<()>,
+    ending: Ending,
     closing: CancellationToken,
 }
 
@@ -60,6 +64,7 @@ impl Sessions {
             address,
             live: Mutex::default(),
             opening: tokio::sync::Mutex::default(),
+            ending: Ending::default(),
             closing,
         });
         let (weak, closing) = (Arc::downgrade(&sessions), sessions.closing.clone());
@@ -135,7 +140,8 @@ impl Sessions {
 
     pub async fn get(&self, id: Uuid) -> Result<SessionInfo, ServiceError> {
         let stored = self.stored(id).await?;
-        let live = if stored.state == SessionState::Open {
+        let is_open = stored.state == SessionState::Open && !self.is_ending(id);
+        let live = if is_open {
             Some(self.open(&stored).await?)
         } else {
             None
@@ -154,10 +160,22 @@ impl Sessions {
             total,
         } = self.storage.sessions(paging, after).await?;
         Ok(SessionPage {
-            items: items.into_iter().map(info).collect(),
+            items: items
+                .into_iter()
+                .map(|stored| self.listed(stored))
+                .collect(),
             next_cursor,
             total,
         })
+    }
+
+    /// With how it stands, where this process has it in memory.
+    fn listed(&self, stored: StoredSession) -> SessionInfo {
+        let live = self.in_memory(stored.id);
+        SessionInfo {
+            live: live.map(|live| told_of(&live.session())),
+            ..info(stored)
+        }
     }
 
     async fn stored(&self, id: Uuid) -> Result<StoredSession, ServiceError> {
@@ -202,6 +220,10 @@ impl Sessions {
         }
         if self.closing.is_cancelled() {
             return Err(ServiceError::ShuttingDown);
+        }
+        if self.is_ending(stored.id) {
+            let detail = "the session is being closed";
+            return Err(ServiceError::conflict("session_closed", detail));
         }
         if self.all_live().len() >= MOST_OPEN {
             return Err(ServiceError::SessionFull);
