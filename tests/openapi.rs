@@ -7,7 +7,7 @@ use trackloom::experiment::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 57] = [
+const OPERATIONS: [&str; 58] = [
     "beginSessionTrack",
     "cancelJob",
     "closeSession",
@@ -43,6 +43,7 @@ const OPERATIONS: [&str; 57] = [
     "getReadiness",
     "getSession",
     "getSessionHistory",
+    "getSessionPicture",
     "getSessionTrack",
     "getVersion",
     "listDatasets",

@@ -28,14 +28,18 @@ const WORKERS: Duration = Duration::from_secs(2);
 /// When the data directory cannot be used or the address cannot be bound.
 pub async fn serve(config: Config) -> anyhow::Result<()> {
     let jobs = Jobs::open(config.clone()).await?;
-    serve_jobs(config, jobs).await
+    serve_jobs(config, jobs, |_| {}).await
 }
 
-/// The same with jobs that are open already.
+/// The same with jobs that are open already; `started` is told where the service listens.
 ///
 /// # Errors
 /// When the address cannot be bound.
-pub async fn serve_jobs(config: Config, jobs: Arc<Jobs>) -> anyhow::Result<()> {
+pub async fn serve_jobs(
+    config: Config,
+    jobs: Arc<Jobs>,
+    started: impl FnOnce(SocketAddr),
+) -> anyhow::Result<()> {
     let server = match Server::start(&config, jobs.clone()).await {
         Ok(server) => server,
         Err(error) => {
@@ -46,6 +50,7 @@ pub async fn serve_jobs(config: Config, jobs: Arc<Jobs>) -> anyhow::Result<()> {
     // Heard from before anybody is told that the service is there.
     let signals = StopSignals::listen();
     println!("trackloom listening on http://{}", server.address());
+    started(server.address());
     signals.told_to_stop().await;
     tracing::info!("stopping");
     server.stop().await;

@@ -16,6 +16,8 @@ const TITLES: Record<string, string> = {
   compare: "Compare",
   datasets: "Data sets",
   dataset: "Data set",
+  sessions: "Sessions",
+  session: "Session",
 };
 
 // What few visits look at comes when it is looked at.
@@ -23,6 +25,11 @@ const Datasets = later("data sets", async () => (await import("./views/datasets"
 const DatasetPage = later(
   "the data set",
   async () => (await import("./views/dataset-page")).DatasetPage,
+);
+const Sessions = later("sessions", async () => (await import("./views/sessions")).Sessions);
+const SessionPage = later(
+  "the session",
+  async () => (await import("./views/session-page")).SessionPage,
 );
 const NewJob = later("the form", async () => (await import("./views/new-job")).NewJob);
 const Compare = later("the comparison", async () => (await import("./views/compare")).Compare);
@@ -35,6 +42,9 @@ function view(name: string): JSX.Element {
   if (name === "datasets") return <Datasets />;
   if (name === "dataset")
     return <DatasetPage key={param("dataset") ?? ""} id={param("dataset") ?? ""} />;
+  if (name === "sessions") return <Sessions />;
+  if (name === "session")
+    return <SessionPage key={param("session") ?? ""} id={param("session") ?? ""} />;
   return (
     <Empty title="There is no such page.">
       <Link href={pageHref({})}>Go to the jobs</Link>
@@ -97,6 +107,12 @@ export function App(): JSX.Element {
             current={name === "datasets" || name === "dataset"}
           >
             Data
+          </Link>
+          <Link
+            href={pageHref({ view: "sessions" })}
+            current={name === "sessions" || name === "session"}
+          >
+            Live
           </Link>
           <a href="/docs">API</a>
         </nav>

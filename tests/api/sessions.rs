@@ -397,3 +397,76 @@ async fn tracks_are_begun_and_ended_by_hand_and_a_paused_session_takes_no_scan()
         "{closed}"
     );
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_picture_has_tracks_and_the_scans_since_the_one_before() {
+    let api = Api::start().await;
+    let path = session(&api, &request()).await;
+    let empty = api.get(&format!("{path}/picture")).await.ok(200);
+    assert_eq!(
+        (&empty["last_scan"], &empty["scans"], &empty["tracks"]),
+        (&json!(0), &json!([]), &json!([]))
+    );
+    assert_eq!(empty["sensors"], json!([{"sensor_id": "radar"}]));
+    let waiting = {
+        let request = api.request(Method::GET, &format!("{path}/picture?after_scan=0&wait=20"));
+        tokio::spawn(send(request))
+    };
+    tokio::time::sleep(std::time::Duration::from_millis(200)).await;
+    api.post(&format!("{path}/scans"), &scan(1)).await.ok(200);
+    let first = waiting.await.unwrap().ok(200);
+    assert_eq!(
+        first["scans"],
+        json!([{
+            "number": 1, "sensor_id": "radar", "time_s": 2.0, "detections": 2,
+            "x_m": [20.0, -3000.0], "y_m": [0.0, 20.0], "bearing_deg": []
+        }])
+    );
+    for index in 2..6 {
+        api.post(&format!("{path}/scans"), &scan(index))
+            .await
+            .ok(200);
+    }
+    let next = api
+        .get(&format!("{path}/picture?after_scan=3&wait=20"))
+        .await
+        .ok(200);
+    let numbers: Vec<&Value> = next["scans"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|scan| &scan["number"])
+        .collect();
+    assert_eq!(numbers, [4, 5]);
+    assert_eq!(
+        (&next["processed_to_s"], &next["lag_s"], &next["last_event"]),
+        (&json!(10.0), &json!(0.0), &json!(4))
+    );
+    let tracks = api.get(&format!("{path}/tracks")).await.ok(200);
+    assert_eq!(next["tracks"], tracks["tracks"]);
+    assert_eq!(next.get("ways"), None);
+    let whole = api.get(&format!("{path}/picture")).await.ok(200);
+    assert_eq!(
+        whole["ways"][0]["time_s"],
+        json!([2.0, 4.0, 6.0, 8.0, 10.0])
+    );
+    let listed = api.get("/v1/sessions").await.ok(200);
+    assert_eq!(
+        (
+            &listed["items"][0]["live"]["confirmed"],
+            &listed["items"][0]["live"]["counts"]["scans"]
+        ),
+        (&json!(2), &json!(5))
+    );
+    // Whoever waits is told when it is closed.
+    let waiting = {
+        let request = api.request(Method::GET, &format!("{path}/picture?after_scan=5&wait=20"));
+        tokio::spawn(send(request))
+    };
+    tokio::time::sleep(std::time::Duration::from_millis(200)).await;
+    api.post(&format!("{path}/close"), &json!({})).await.ok(200);
+    waiting.await.unwrap().refused("session_closed");
+    api.get(&format!("{path}/picture?after_scan=-1"))
+        .await
+        .refused("validation");
+}

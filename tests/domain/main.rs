@@ -60,6 +60,7 @@ mod recordings_undescribed;
 mod requests_again;
 mod right_values;
 mod segmentation;
+mod session_picture;
 mod session_reports;
 mod sessions;
 mod shared_gates;

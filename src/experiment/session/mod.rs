@@ -11,6 +11,7 @@ mod hand;
 mod line;
 mod named;
 mod order;
+mod picture;
 mod pose;
 mod reading;
 mod recording;
@@ -25,6 +26,7 @@ pub use checking::{Checked, Checking};
 pub use entry::{Entry, PUSHED_SCAN, PushedScan};
 pub use events::{SessionEvent, SessionEventKind};
 pub use hand::{HAND_TRACK, HandTrack, read_track};
+pub use picture::{SeenScan, SensorPlace, SessionPicture, TrackWay};
 pub use reading::read_scan;
 pub use recording::SessionRecording;
 pub use scene::Scene;
@@ -36,6 +38,7 @@ use events::{EventRing, serial_of};
 use feeds::{Admission, Feed};
 use line::{Kept, Line};
 use order::{Course, Fate, Order};
+use picture::RecentScans;
 use std::sync::Arc;
 use trails::Trails;
 
@@ -47,6 +50,7 @@ pub struct Session {
     line: Line,
     order: Order,
     trails: Trails,
+    recent: RecentScans,
     events: EventRing,
     counts: SessionCounts,
     /// Whether scans are refused for the time being.
@@ -77,6 +81,7 @@ impl Session {
             line: Line::new(&scene),
             order: Order::default(),
             trails: Trails::default(),
+            recent: RecentScans::default(),
             events: EventRing::default(),
             counts: SessionCounts::default(),
             is_paused: false,
@@ -155,6 +160,7 @@ impl Session {
         let mut course = Course {
             line: &mut self.line,
             trails: &mut self.trails,
+            recent: &mut self.recent,
             scene: &self.scene,
         };
         if is_heartbeat {
@@ -195,6 +201,7 @@ impl Session {
         let mut course = Course {
             line: &mut self.line,
             trails: &mut self.trails,
+            recent: &mut self.recent,
             scene: &self.scene,
         };
         self.order.flush(&mut course)?;

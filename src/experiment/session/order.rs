@@ -11,6 +11,7 @@
 use super::book::Book;
 use super::feeds::{Feed, newest_s};
 use super::line::{Kept, Key, Line};
+use super::picture::RecentScans;
 use super::scene::Scene;
 use super::spec::LatePolicy;
 use super::trails::Trails;
@@ -49,10 +50,17 @@ pub enum Fate {
 pub struct Course<'a> {
     pub line: &'a mut Line,
     pub trails: &'a mut Trails,
+    pub recent: &'a mut RecentScans,
     pub scene: &'a Scene,
 }
 
 impl Course<'_> {
+    /// Takes a scan that was not taken before.
+    fn step_first(&mut self, kept: &Kept) -> Result<(), Box<Fault>> {
+        self.recent.push(kept, self.scene);
+        self.step(kept)
+    }
+
     fn step(&mut self, kept: &Kept) -> Result<(), Box<Fault>> {
         self.line.step(kept, self.scene, self.trails)
     }
@@ -74,7 +82,7 @@ impl Order {
             LatePolicy::Replay => self.replay(kept, &mut course),
             _ if course.line.is_late(key) => Ok(Fate::Dropped),
             LatePolicy::Drop => {
-                course.step(&kept)?;
+                course.step_first(&kept)?;
                 Ok(Fate::Taken)
             }
             LatePolicy::Wait => {
@@ -111,7 +119,7 @@ impl Order {
                 break;
             }
             if let Some(first) = self.waiting.pop_front() {
-                course.step(&first)?;
+                course.step_first(&first)?;
             }
         }
         Ok(())
@@ -123,7 +131,7 @@ impl Order {
     /// As [`Order::take`].
     pub fn flush(&mut self, course: &mut Course) -> Result<(), Box<Fault>> {
         for kept in std::mem::take(&mut self.waiting) {
-            course.step(&kept)?;
+            course.step_first(&kept)?;
         }
         Ok(())
     }
@@ -136,6 +144,7 @@ impl Order {
     fn replay(&mut self, kept: Kept, course: &mut Course) -> Result<Fate, Box<Fault>> {
         let key = kept.key();
         if !course.line.is_late(key) {
+            course.recent.push(&kept, course.scene);
             self.append(kept, course)?;
             self.trim(course);
             return Ok(Fate::Taken);
@@ -154,6 +163,7 @@ impl Order {
         let Some(copy) = self.window[first].before.take() else {
             return Ok(Fate::Dropped);
         };
+        course.recent.push(&kept, course.scene);
         let before = std::mem::replace(course.line, *copy).book;
         let from_s = self.window[first].kept.scan.time_s;
         course.trails.cut(from_s.min(key.time_s));

@@ -35,6 +35,8 @@ pub struct Scene {
     sensors: Vec<Sensor>,
     reports: Vec<Reports>,
     poses: Vec<PoseRule>,
+    /// What is known of them, with their places in the plane.
+    known: Vec<SensorSettings>,
     sensor_ids: Vec<String>,
     /// Of a recording of this session, in which bearings are counted from north.
     pub recorded_sensors: Vec<SensorSettings>,
@@ -131,6 +133,7 @@ impl Scene {
             tracking: typed.tracking,
             filter,
             sensors: resolved,
+            known,
             reports: typed.sensors.iter().filter_map(Reports::of).collect(),
             poses: typed.sensors.iter().map(PoseRule::of).collect(),
             sensor_ids: typed
@@ -178,6 +181,10 @@ impl Scene {
 
     pub fn space(&self) -> Space {
         self.filter.filter.space()
+    }
+
+    pub fn known_sensors(&self) -> &[SensorSettings] {
+        &self.known
     }
 
     pub fn sensor_ids(&self) -> &[String] {

@@ -169,6 +169,11 @@ impl Session {
         }
     }
 
+    /// Where a track is.
+    pub(super) fn place_of(&self, packed: &[f64]) -> Place {
+        Kinematics::unpack(self.scene.space(), packed).position
+    }
+
     /// A living track with its latest points.
     pub fn history(&self, track_id: &str) -> Option<TrackHistory> {
         let serial = serial_of(track_id)?;

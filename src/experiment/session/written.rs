@@ -5,6 +5,7 @@ use super::events::EventRing;
 use super::feeds::Feed;
 use super::line::{Kept, Key, Line};
 use super::order::{Course, Order};
+use super::picture::RecentScans;
 use super::scene::Scene;
 use super::told::SessionCounts;
 use super::trails::Trails;
@@ -88,6 +89,7 @@ impl Session {
                 ..Order::default()
             },
             trails: Trails::default(),
+            recent: RecentScans::default(),
             events: written.events,
             counts: written.counts,
             is_paused: written.is_paused,
@@ -96,6 +98,7 @@ impl Session {
         let mut course = Course {
             line: &mut session.line,
             trails: &mut session.trails,
+            recent: &mut session.recent,
             scene: &session.scene,
         };
         if session.scene.rules().late == LatePolicy::Replay {
@@ -105,6 +108,7 @@ impl Session {
             }
         }
         session.line.book.news.clear();
+        session.recent = RecentScans::after(session.line.scans.into());
         Ok(session)
     }
 }

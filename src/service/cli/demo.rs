@@ -1,6 +1,7 @@
 //! `trackloom demo`: the tour. Runs real jobs in the service's own data directory, prints what they found, then serves
-//! the dashboard with them.
+//! the dashboard with them, and a live session beside them.
 
+use super::demo_live;
 use crate::experiment::presets;
 use crate::experiment::text::{cell, table};
 use crate::service::config::Config;
@@ -66,7 +67,17 @@ pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
         return Ok(());
     }
     println!("\n{OWN_FILES}\nThe dashboard shows these jobs; end with Ctrl-C.");
-    server::serve_jobs(config, jobs).await
+    let feed = demo_live::begin(&jobs, &serde_json::from_str(RADAR_JOB)?, RADAR_DETECTIONS).await?;
+    let session = feed.session;
+    let playing = tokio::spawn(feed.play(jobs.clone()));
+    let served = server::serve_jobs(config, jobs, |address| {
+        println!(
+            "the recording as a live session: http://{address}/?view=session&session={session}"
+        );
+    });
+    let outcome = served.await;
+    playing.abort();
+    outcome
 }
 
 async fn tour(jobs: &Jobs) -> anyhow::Result<()> {

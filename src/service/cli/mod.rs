@@ -6,6 +6,7 @@ mod catalogue;
 mod compare;
 mod convert;
 mod demo;
+mod demo_live;
 mod files;
 mod inspect;
 mod reading;

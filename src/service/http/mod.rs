@@ -17,6 +17,7 @@ mod problems;
 mod query;
 mod raw_upload;
 mod session_acts;
+mod session_picture;
 mod sessions;
 mod state;
 mod streams;
@@ -42,6 +43,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(datasets::routes())
         .merge(sessions::routes())
         .merge(session_acts::routes())
+        .merge(session_picture::routes())
         .merge(catalogue::routes())
         .merge(system::routes())
         .merge(problems::routes())

@@ -59,7 +59,7 @@ async fn create_session(
 
 /// List sessions
 ///
-/// Newest first, without how they stand.
+/// Newest first; of those that the process which answers has in memory with how they stand.
 #[utoipa::path(get, path = "/v1/sessions", operation_id = "listSessions", tag = "sessions",
     params(
         ("sort" = Option<String>, Query, min_length = 1, description = "`-created_at` (newest first) or `created_at`."),

@@ -17,7 +17,7 @@ const FIXED: [&str; 7] = [
 ];
 
 /// What the work of an operation is refused for, besides what its parameters and its body are refused for.
-const OF_WORK: [(&str, &[&str]); 29] = [
+const OF_WORK: [(&str, &[&str]); 30] = [
     ("cancelJob", &["job_terminal"]),
     (
         "compareJobs",
@@ -37,6 +37,7 @@ const OF_WORK: [(&str, &[&str]); 29] = [
     ("deleteSession", &["session_elsewhere"]),
     ("endSessionTrack", SESSION),
     ("getSessionHistory", SESSION),
+    ("getSessionPicture", SESSION),
     ("getSessionTrack", SESSION),
     ("listSessionTracks", SESSION),
     ("pushScans", SESSION_PUSH),

@@ -1,8 +1,10 @@
 //! Live sessions: made, fed, asked, closed. A session lives in one process at a time; its log in the tables is the truth.
 
+mod ending;
 mod hand;
 mod live;
 mod log;
+mod picture;
 mod recording;
 mod told;
 
@@ -16,6 +18,7 @@ use crate::experiment::session::{Entry, Scene, Session, SessionEvent, read_scan}
 use crate::model::fault::Fault;
 use crate::service::build_info::VERSION;
 use anyhow::Context;
+use ending::Ending;
 use futures::{Stream, stream};
 use live::Live;
 use log::Log;
@@ -44,6 +47,7 @@ pub struct Sessions {
     live: Mutex<HashMap<Uuid, Arc<Live>>>,
     /// Held while a session is read from its log.
     opening: tokio::sync::Mutex<()>,
+    ending: Ending,
     closing: CancellationToken,
 }
 
@@ -56,6 +60,7 @@ impl Sessions {
             address: OnceLock::new(),
             live: Mutex::default(),
             opening: tokio::sync::Mutex::default(),
+            ending: Ending::default(),
             closing,
         });
         let (weak, closing) = (Arc::downgrade(&sessions), sessions.closing.clone());
@@ -152,7 +157,8 @@ impl Sessions {
 
     pub async fn get(&self, id: Uuid) -> Result<SessionInfo, ServiceError> {
         let stored = self.stored(id).await?;
-        let live = if stored.state == SessionState::Open {
+        let is_open = stored.state == SessionState::Open && !self.is_ending(id);
+        let live = if is_open {
             Some(self.open(&stored).await?)
         } else {
             None
@@ -171,10 +177,22 @@ impl Sessions {
             total,
         } = self.storage.sessions(paging, after).await?;
         Ok(SessionPage {
-            items: items.into_iter().map(info).collect(),
+            items: items
+                .into_iter()
+                .map(|stored| self.listed(stored))
+                .collect(),
             next_cursor,
             total,
         })
+    }
+
+    /// With how it stands, where this process has it in memory.
+    fn listed(&self, stored: StoredSession) -> SessionInfo {
+        let live = self.in_memory(stored.id);
+        SessionInfo {
+            live: live.map(|live| told_of(&live.session())),
+            ..info(stored)
+        }
     }
 
     async fn stored(&self, id: Uuid) -> Result<StoredSession, ServiceError> {
@@ -219,6 +237,10 @@ impl Sessions {
         }
         if self.closing.is_cancelled() {
             return Err(ServiceError::ShuttingDown);
+        }
+        if self.is_ending(stored.id) {
+            let detail = "the session is being closed";
+            return Err(ServiceError::conflict("session_closed", detail));
         }
         if self.all_live().len() >= MOST_OPEN {
             return Err(ServiceError::SessionFull);

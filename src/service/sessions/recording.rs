@@ -62,6 +62,10 @@ impl Sessions {
             return self.get(id).await;
         }
         let live = self.open(&stored).await?;
+        let Some(_ending) = self.begin_ending(id) else {
+            let detail = "the session is being closed";
+            return Err(ServiceError::conflict("session_closed", detail));
+        };
         let fence = live.fence;
         // Whoever pushes now finds it closed.
         live.rest(&self.storage).await;

@@ -1,7 +1,8 @@
 //! Live sessions on the wire.
 
 pub use crate::experiment::session::{
-    EntryFate, LatePolicy, LiveTrack, SessionCounts, SessionEvent, SessionEventKind, TrackHistory,
+    EntryFate, LatePolicy, LiveTrack, SessionCounts, SessionEvent, SessionEventKind,
+    SessionPicture, TrackHistory,
 };
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
@@ -76,7 +77,7 @@ pub struct SessionInfo {
     /// The request with its defaults.
     #[schema(value_type = Object)]
     pub request: Value,
-    /// Of one that is open; not in lists.
+    /// Of one that is open; in lists of those that the process which answers has in memory.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub live: Option<SessionLive>,

@@ -29,7 +29,7 @@ import type {
   Validation,
 } from "./types";
 
-const client = createClient<paths>({ baseUrl: location.origin, cache: "no-cache" });
+export const client = createClient<paths>({ baseUrl: location.origin, cache: "no-cache" });
 
 export class ApiError extends Error {
   constructor(readonly problem: Problem) {
@@ -47,7 +47,7 @@ interface Answer<T> {
   response: Response;
 }
 
-async function taken<T>(call: Promise<Answer<T>>): Promise<T> {
+export async function taken<T>(call: Promise<Answer<T>>): Promise<T> {
   const answer = await call.catch(() => {
     throw own("The service does not answer", "unreachable", "It may be stopped or restarting.");
   });

@@ -3,7 +3,7 @@
 
 import type { components } from "../../generated/api";
 
-type Schemas = components["schemas"];
+export type Schemas = components["schemas"];
 
 export type Artifact = Schemas["ArtifactInfo"];
 export type Association = Schemas["Association"];

@@ -9,7 +9,7 @@ import { timeText, utcText } from "../times";
 
 const TRAILS = [1, 2, 5, 10, 20, 50, 100];
 
-function Button({
+export function ClockButton({
   icon,
   label,
   press,
@@ -34,7 +34,8 @@ function Button({
   );
 }
 
-function keys(clock: Clock): (event: KeyboardEvent) => void {
+/** What the keyboard does to a clock. */
+export function clockKeys(clock: Pick<Clock, "toggle" | "step">): (event: KeyboardEvent) => void {
   return (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
@@ -56,31 +57,31 @@ function Buttons({ clock }: { clock: Clock }): JSX.Element {
   const playing = clock.playing.value;
   return (
     <div class="clock-buttons">
-      <Button
+      <ClockButton
         icon="first"
         label="To the first scan"
         press={() => clock.step(-last)}
         disabled={index === 0}
       />
-      <Button
+      <ClockButton
         icon="back"
         label="One scan back"
         press={() => clock.step(-1)}
         disabled={index === 0}
       />
-      <Button
+      <ClockButton
         icon={playing ? "pause" : "play"}
         label={playing ? "Pause" : "Play"}
         press={clock.toggle}
         disabled={last === 0}
       />
-      <Button
+      <ClockButton
         icon="forward"
         label="One scan forward"
         press={() => clock.step(1)}
         disabled={index === last}
       />
-      <Button
+      <ClockButton
         icon="last"
         label="To the last scan"
         press={() => clock.step(last)}
@@ -125,7 +126,7 @@ function Choices({ clock }: { clock: Clock }): JSX.Element {
 
 export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
   useEffect(() => {
-    const listener = keys(clock);
+    const listener = clockKeys(clock);
     document.addEventListener("keydown", listener);
     return () => document.removeEventListener("keydown", listener);
   }, [clock]);

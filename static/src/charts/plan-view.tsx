@@ -5,18 +5,18 @@ import { useComputed, useSignal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Plan } from "../api/types";
-import { Icon } from "../components/basics";
 import { count, plural } from "../format";
 import { theme } from "../state/theme";
-import { param, setParams } from "../state/url";
+import { param } from "../state/url";
 import { timeText } from "../times";
-import { type Camera, toText, zoomed } from "./camera";
+import { type Camera, toText } from "./camera";
 import { ChartCanvas } from "./chart";
 import type { Density } from "./density";
 import { ChartFrame, reducedBadge } from "./frame";
 import { gatesAt } from "./gates";
 import { Legend } from "./legend";
 import { momentOf, PlanDrawing, type PlanViewProps } from "./plan-drawing";
+import { planKeys, ZoomButtons } from "./plan-hands";
 import { drawnTable, pictureKey } from "./plan-table";
 import { type Ruler, rulerText } from "./ruler";
 import { RulerPanel } from "./ruler-panel";
@@ -124,70 +124,8 @@ export function PlanView(props: PlanViewProps): JSX.Element {
             class="plan-canvas"
           />
         </div>
-        <ZoomButtons drawing={drawing} isMeasuring={ruler !== undefined} />
+        <ZoomButtons view={drawing} isMeasuring={ruler !== undefined} />
       </div>
     </ChartFrame>
   );
-}
-
-interface ZoomProps {
-  drawing: PlanDrawing;
-  isMeasuring: boolean;
-}
-
-function ZoomButtons({ drawing, isMeasuring }: ZoomProps): JSX.Element {
-  const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));
-  return (
-    <div class="plan-zoom">
-      <button type="button" aria-label="Zoom in" onClick={zoom(1 / 1.5)}>
-        <Icon name="plus" />
-      </button>
-      <button type="button" aria-label="Zoom out" onClick={zoom(1.5)}>
-        <Icon name="minus" />
-      </button>
-      <button type="button" aria-label="Show everything" onClick={() => drawing.fitAll()}>
-        <Icon name="fit" />
-      </button>
-      <button
-        type="button"
-        aria-label="Ruler"
-        aria-pressed={isMeasuring}
-        title="Distance and bearing between two points"
-        onClick={takeRuler}
-      >
-        <Icon name="ruler" />
-      </button>
-    </div>
-  );
-}
-
-/** Takes the ruler, or puts it away. */
-function takeRuler(): void {
-  setParams({ ruler: param("ruler") === null ? "on" : null });
-}
-
-const PAN_BY: Record<string, [number, number]> = {
-  ArrowLeft: [-0.1, 0],
-  ArrowRight: [0.1, 0],
-  ArrowUp: [0, 0.1],
-  ArrowDown: [0, -0.1],
-};
-
-function planKeys(event: KeyboardEvent, drawing: PlanDrawing): void {
-  const camera = drawing.look();
-  const by = event.shiftKey ? PAN_BY[event.key] : undefined;
-  if (by)
-    drawing.move({
-      ...camera,
-      x: camera.x + by[0] * camera.span,
-      y: camera.y + by[1] * camera.span,
-    });
-  else if (event.key === "+" || event.key === "=") drawing.move(zoomed(camera, 1 / 1.5));
-  else if (event.key === "-") drawing.move(zoomed(camera, 1.5));
-  else if (event.key === "0") drawing.fitAll();
-  else if (event.key === "r" && !event.ctrlKey && !event.metaKey) takeRuler();
-  else if (event.key === "Escape" && param("ruler") !== null) setParams({ ruler: null });
-  else return;
-  event.preventDefault();
-  event.stopPropagation();
 }
