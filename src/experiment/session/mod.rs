@@ -17,12 +17,12 @@ mod trails;
 mod written;
 
 pub use checking::{Checked, Checking};
-pub use entry::{Entry, PUSHED_SCAN, PushedScan, read_scan};
+pub use entry::{Entry, PUSHED_SCAN, PushedDetection, PushedScan, read_scan};
 pub use events::{SessionEvent, SessionEventKind};
 pub use recording::SessionRecording;
 pub use scene::Scene;
 pub use spec::{LatePolicy, SESSION};
-pub use told::{LiveTrack, SessionCounts, TrackHistory};
+pub use told::{LiveTrack, SensorHeard, SessionCounts, TrackHistory};
 
 use crate::model::fault::Fault;
 use events::{EventRing, serial_of};
@@ -45,7 +45,7 @@ pub struct Session {
 }
 
 /// What became of an entry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum EntryFate {

@@ -1,7 +1,8 @@
 //! Live sessions on the wire.
 
 pub use crate::experiment::session::{
-    EntryFate, LatePolicy, LiveTrack, SessionCounts, SessionEvent, SessionEventKind, TrackHistory,
+    EntryFate, LatePolicy, LiveTrack, SensorHeard, SessionCounts, SessionEvent, SessionEventKind,
+    TrackHistory,
 };
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
@@ -93,6 +94,8 @@ pub struct SessionLive {
     pub confirmed: u64,
     /// Number of the latest event.
     pub last_event: u64,
+    /// What was heard of each sensor.
+    pub sensors: Vec<SensorHeard>,
     /// What is assumed of its sensors.
     pub warnings: Vec<String>,
 }
