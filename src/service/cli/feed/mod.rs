@@ -3,6 +3,7 @@
 mod arrivals;
 mod client;
 mod inlets;
+mod places;
 mod progress;
 mod pusher;
 mod queue;
@@ -54,7 +55,7 @@ pub(super) struct FeedArguments {
     create: Option<PathBuf>,
     /// What a sensor of the file is called in the session. Not needed where names are the same, or each has one sensor
     #[arg(long = "sensor", value_name = "FILE_ID=SESSION_ID")]
-    sensors: Vec<String>,
+    named_sensors: Vec<String>,
     /// How fast a file is pushed, in times of its own pace: a number, or max
     #[arg(long, default_value = "1")]
     speed: Speed,
@@ -177,7 +178,7 @@ async fn feed(arguments: &FeedArguments) -> Result<(), Trouble> {
     let patience = Duration::from_secs_f64(arguments.patience);
     let client = Client::new(&arguments.server, patience)?;
     let session = session(arguments, &client).await?;
-    let mapping = Mapping::new(&arguments.sensors, session.sensor_ids())?;
+    let mapping = Mapping::new(&arguments.named_sensors, session.sensor_ids())?;
     let source = arguments.source();
     let mut feeding = Feeding {
         arguments,
@@ -186,6 +187,7 @@ async fn feed(arguments: &FeedArguments) -> Result<(), Trouble> {
             client,
             scans_url: format!("{}/scans", session.url),
             skips_faults: arguments.skip_faults,
+            places: None,
             progress: Progress::new(),
         },
         session,

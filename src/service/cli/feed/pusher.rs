@@ -1,6 +1,7 @@
 //! Batches of scans on their way to a session, and what becomes of them.
 
 use super::client::{Client, Reply};
+use super::places::Places;
 use super::progress::Progress;
 use super::ready::Ready;
 use crate::model::fault::Fault;
@@ -14,6 +15,8 @@ pub(super) struct Pusher {
     pub client: Client,
     pub scans_url: String,
     pub skips_faults: bool,
+    /// Of scans that do not say where they come from.
+    pub places: Option<Places>,
     pub progress: Progress,
 }
 
@@ -49,7 +52,9 @@ impl Pusher {
             };
             let refused = refused_lines(&faults, left.len());
             if !self.skips_faults || refused.is_empty() {
-                let told: Vec<String> = faults.iter().map(|fault| told(fault, &left)).collect();
+                let places = self.places.as_ref();
+                let told = faults.iter().map(|fault| told(fault, &left, places));
+                let told: Vec<String> = told.collect();
                 bail!(
                     "the session refuses what it was given\n  {}",
                     told.join("\n  ")
@@ -81,8 +86,8 @@ fn refused_lines(faults: &[Fault], scans: usize) -> Vec<u64> {
     lines
 }
 
-/// A fault with the unit of the file, `line 17: /detections/0: …`.
-fn told(fault: &Fault, scans: &[&Ready]) -> String {
+/// A fault with its place in the file, `line 17, sensor 'radar' at 2.5 s: /detections/0: …`.
+fn told(fault: &Fault, scans: &[&Ready], places: Option<&Places>) -> String {
     let index = fault.line.and_then(|line| line.checked_sub(1));
     let ready = index.and_then(|index| scans.get(index as usize));
     let allowed = match &fault.allowed {
@@ -91,13 +96,27 @@ fn told(fault: &Fault, scans: &[&Ready]) -> String {
     };
     let place = ready.map_or(String::new(), |ready| {
         let scan = &ready.scan;
-        let of_scan = format!("sensor '{}' at {} s: ", scan.sensor_id, scan.time_s);
-        match ready.unit {
-            0 => of_scan,
-            unit => format!("line {unit}, {of_scan}"),
-        }
+        let unit = unit_told(ready, &fault.pointer, places);
+        format!("{unit}sensor '{}' at {} s: ", scan.sensor_id, scan.time_s)
     });
     format!("{place}{}: {}{allowed}", fault.pointer, fault.detail)
+}
+
+/// `line 17, `; nothing where nobody knows.
+fn unit_told(ready: &Ready, pointer: &str, places: Option<&Places>) -> String {
+    if ready.unit > 0 {
+        return format!("line {}, ", ready.unit);
+    }
+    let in_list = pointer.strip_prefix("/detections/");
+    let index = in_list.and_then(|rest| rest.split('/').next()?.parse().ok());
+    let detection = ready.scan.detections.get(index.unwrap_or(0_usize));
+    let (Some(places), Some(detection)) = (places, detection) else {
+        return String::new();
+    };
+    match places.unit_of(detection) {
+        Some(unit) => format!("{} {unit}, ", places.called()),
+        None => String::new(),
+    }
 }
 
 /// As many scans as go into a batch, and how many these are.
@@ -160,6 +179,6 @@ mod tests {
         assert_eq!(refused_lines(&[fault.clone(), fault.clone()], 3), [1]);
         let (scan, allowed) = (ready(0), fault.allowing("less"));
         let wanted = "line 17, sensor 'r' at 2 s: /time_s: too late (allowed: less)";
-        assert_eq!(told(&allowed, &[&scan]), wanted);
+        assert_eq!(told(&allowed, &[&scan], None), wanted);
     }
 }

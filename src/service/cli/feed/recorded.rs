@@ -2,6 +2,7 @@
 //! that was interrupted goes on where the session is.
 
 use super::client::SessionSeen;
+use super::places::Places;
 use super::pusher::MOST_SCANS;
 use super::ready::{Ready, is_scan, pushed, read_scan};
 use super::sensors::Mapping;
@@ -30,9 +31,8 @@ pub(super) async fn feed(feeding: &mut Feeding<'_>, path: &Path) -> Result<(), T
     let (scans, units) = if feeding.arguments.is_of_scans() || begins_with_a_scan(&bytes) {
         scans_of_lines(&bytes, feeding)?
     } else {
-        scans_of_dataset(&bytes, path, feeding)?
+        scans_of_dataset(bytes, path, feeding)?
     };
-    drop(bytes);
     feeding.pusher.progress.units = units;
     push_at_pace(feeding, &scans).await
 }
@@ -76,18 +76,24 @@ fn scans_of_lines(bytes: &[u8], feeding: &Feeding) -> Result<(Vec<Ready>, Units)
 
 /// The scans that a dataset of the file has, without those that the session has.
 fn scans_of_dataset(
-    bytes: &[u8],
+    bytes: Vec<u8>,
     path: &Path,
     feeding: &mut Feeding,
 ) -> Result<(Vec<Ready>, Units), Trouble> {
     let (format, options) = feeding.arguments.told(&feeding.session)?;
     let is_placed = options.options.iter().any(|(name, _)| name == "origin");
-    let (read, _) = formats::read_file(&path.to_string_lossy(), &mut &bytes[..], format, &options)?;
+    let (read, format) =
+        formats::read_file(&path.to_string_lossy(), &mut &bytes[..], format, &options)?;
     let ReadOutcome {
         dataset,
         warnings,
         units,
     } = read;
+    feeding.pusher.places = Some(Places {
+        bytes,
+        format,
+        options,
+    });
     for warning in warnings {
         eprintln!("warning: {warning}");
     }
