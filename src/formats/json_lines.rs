@@ -17,6 +17,8 @@ pub(super) struct LineRows<'a> {
     /// Of the current record, in the order of the names.
     cells: Vec<String>,
     line: u64,
+    /// Records so far.
+    records: u64,
     /// Whether the current record is still to be handed on.
     is_next: bool,
 }
@@ -31,6 +33,7 @@ impl<'a> LineRows<'a> {
             names: Vec::new(),
             cells: Vec::new(),
             line: 0,
+            records: 0,
             is_next: false,
         };
         let first = rows.record().map_err(|fault| vec![fault])?;
@@ -70,6 +73,7 @@ impl<'a> LineRows<'a> {
 
     /// Keeps the cells of a record; names that the first had not are passed over.
     fn keep(&mut self, record: &Columns) {
+        self.records += 1;
         self.cells.clear();
         for name in &self.names {
             let place = record.names.iter().position(|known| known == name);
@@ -109,12 +113,13 @@ impl Rows for LineRows<'_> {
         &self.cells[column]
     }
 
+    /// Counted as in files of JSON.
     fn row(&self) -> u64 {
-        self.line
+        self.records - 1
     }
 
     fn row_word(&self) -> &'static str {
-        "line"
+        "row"
     }
 
     fn cell_fault(&self, row: u64, column: usize, code: &str, detail: String) -> Fault {

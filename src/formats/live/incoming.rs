@@ -11,6 +11,8 @@ pub struct Incoming<'a> {
     arrivals: &'a mut dyn Arrivals,
     piece: Vec<u8>,
     at: usize,
+    /// Lines so far.
+    lines: u64,
     broken: Broken,
 }
 
@@ -24,6 +26,7 @@ impl<'a> Incoming<'a> {
             arrivals,
             piece: Vec::new(),
             at: 0,
+            lines: 0,
             broken: Broken::default(),
         };
         while !has_a_row(&incoming.piece) && incoming.piece.len() < 1 << 16 {
@@ -36,8 +39,12 @@ impl<'a> Incoming<'a> {
     fn next(&mut self) -> Option<Vec<u8>> {
         loop {
             match self.arrivals.next()? {
-                Piece::Whole(bytes) => return Some(bytes),
-                Piece::Broken(reason) => self.broken.borrow_mut().reject(reason, 0, 1),
+                Piece::Whole(bytes) => {
+                    let ends = bytes.iter().filter(|byte| **byte == b'\n');
+                    self.lines += ends.count() as u64;
+                    return Some(bytes);
+                }
+                Piece::Broken(reason) => self.broken.borrow_mut().reject(reason, self.lines + 1, 1),
             }
         }
     }

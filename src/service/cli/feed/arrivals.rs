@@ -18,10 +18,6 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub fn is_of_lines(self) -> bool {
-        self.cut() == Cut::Lines
-    }
-
     fn cut(self) -> Cut {
         match self {
             Kind::Scans => Cut::Lines,

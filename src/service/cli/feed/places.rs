@@ -1,6 +1,5 @@
 //! Where in a file a detection stands that a session refuses: the file is read once more, unit by unit.
 
-use super::arrivals::Kind;
 use super::ready::pushed;
 use crate::experiment::session::PushedDetection;
 use crate::formats::live::{Arrivals, Listener, LiveReport, Piece, follow};
@@ -25,14 +24,6 @@ impl Places {
         // What is wrong with the file was told before.
         let _ = follow(self.format, &mut arrivals, &self.options, &mut search);
         search.found
-    }
-
-    /// What a unit is called.
-    pub fn called(&self) -> &'static str {
-        match Kind::Of(self.format).is_of_lines() {
-            true => "line",
-            false => "record",
-        }
     }
 }
 

@@ -52,7 +52,7 @@ impl Pusher {
             };
             let refused = refused_lines(&faults, left.len());
             if !self.skips_faults || refused.is_empty() {
-                let places = self.places.as_ref();
+                let places = (self.places.as_ref(), self.progress.units.called.as_str());
                 let told = faults.iter().map(|fault| told(fault, &left, places));
                 let told: Vec<String> = told.collect();
                 bail!(
@@ -87,7 +87,7 @@ fn refused_lines(faults: &[Fault], scans: usize) -> Vec<u64> {
 }
 
 /// A fault with its place in the file, `line 17, sensor 'radar' at 2.5 s: /detections/0: …`.
-fn told(fault: &Fault, scans: &[&Ready], places: Option<&Places>) -> String {
+fn told(fault: &Fault, scans: &[&Ready], places: (Option<&Places>, &str)) -> String {
     let index = fault.line.and_then(|line| line.checked_sub(1));
     let ready = index.and_then(|index| scans.get(index as usize));
     let allowed = match &fault.allowed {
@@ -103,9 +103,9 @@ fn told(fault: &Fault, scans: &[&Ready], places: Option<&Places>) -> String {
 }
 
 /// `line 17, `; nothing where nobody knows.
-fn unit_told(ready: &Ready, pointer: &str, places: Option<&Places>) -> String {
+fn unit_told(ready: &Ready, pointer: &str, (places, called): (Option<&Places>, &str)) -> String {
     if ready.unit > 0 {
-        return format!("line {}, ", ready.unit);
+        return format!("{called} {}, ", ready.unit);
     }
     let in_list = pointer.strip_prefix("/detections/");
     let index = in_list.and_then(|rest| rest.split('/').next()?.parse().ok());
@@ -114,7 +114,7 @@ fn unit_told(ready: &Ready, pointer: &str, places: Option<&Places>) -> String {
         return String::new();
     };
     match places.unit_of(detection) {
-        Some(unit) => format!("{} {unit}, ", places.called()),
+        Some(unit) => format!("{called} {unit}, "),
         None => String::new(),
     }
 }
@@ -179,6 +179,6 @@ mod tests {
         assert_eq!(refused_lines(&[fault.clone(), fault.clone()], 3), [1]);
         let (scan, allowed) = (ready(0), fault.allowing("less"));
         let wanted = "line 17, sensor 'r' at 2 s: /time_s: too late (allowed: less)";
-        assert_eq!(told(&allowed, &[&scan], None), wanted);
+        assert_eq!(told(&allowed, &[&scan], (None, "line")), wanted);
     }
 }
