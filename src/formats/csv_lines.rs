@@ -38,7 +38,7 @@ impl<'a> CsvLines<'a> {
             text: Vec::new(),
             line: 0,
         };
-        while rows.next_line().map_err(|fault| vec![fault])? {
+        while rows.next_line().map_err(|fault| vec![*fault])? {
             if rows.parse() == Some(true) {
                 let names = rows.record.iter().map(|name| name.trim().to_owned());
                 rows.names = names.collect();
@@ -49,10 +49,10 @@ impl<'a> CsvLines<'a> {
         Err(vec![Fault::new("/file", "empty", detail)])
     }
 
-    fn next_line(&mut self) -> Result<bool, Fault> {
+    fn next_line(&mut self) -> Result<bool, Box<Fault>> {
         self.line += 1;
         let read = read_line(self.input, &mut self.text);
-        read.map_err(|error| unreadable_at(&error, self.line))
+        read.map_err(|error| Box::new(unreadable_at(&error, self.line)))
     }
 
     /// Whether the line is a row; `None` where it is no text.

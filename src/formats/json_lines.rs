@@ -36,7 +36,7 @@ impl<'a> LineRows<'a> {
             records: 0,
             is_next: false,
         };
-        let first = rows.record().map_err(|fault| vec![fault])?;
+        let first = rows.record().map_err(|fault| vec![*fault])?;
         let Some(first) = first else {
             return Err(vec![Fault::new("/file", "empty", "the stream is empty")]);
         };
@@ -47,12 +47,12 @@ impl<'a> LineRows<'a> {
     }
 
     /// The next line that is not empty; `None` at the end.
-    fn record(&mut self) -> Result<Option<Columns>, Fault> {
+    fn record(&mut self) -> Result<Option<Columns>, Box<Fault>> {
         let mut line = Vec::new();
         loop {
             self.line += 1;
             let read = read_line(self.input, &mut line);
-            if !read.map_err(|error| unreadable_at(&error, self.line))? {
+            if !read.map_err(|error| Box::new(unreadable_at(&error, self.line)))? {
                 return Ok(None);
             }
             if !line.trim_ascii().is_empty() {
@@ -64,10 +64,10 @@ impl<'a> LineRows<'a> {
         let read = (&mut records).deserialize(&mut deserializer);
         match read.and_then(|()| deserializer.end()) {
             Ok(()) => Ok(Some(records.finish())),
-            Err(error) => Err(Fault {
+            Err(error) => Err(Box::new(Fault {
                 line: Some(self.line),
                 ..Fault::new("/file", "malformed", error.to_string())
-            }),
+            })),
         }
     }
 
