@@ -1,11 +1,14 @@
 //! CSV: a header line with the column names, then one row a line. Written with commas and quotes where needed; read with commas,
 //! semicolons, tabs or bars, decimal commas, lines of comment, a byte order mark and Windows line ends, too. Row by row.
 
+use super::csv_lines::CsvLines;
 use super::dialect::{self, Dialect};
 use super::lines::{self, BoundedLines};
+use super::live::{Arrivals, Incoming, Listener};
 use super::table::{self, FaultLog, Rows, Sink};
 use super::{
-    Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, bearing_time, refuse_columns,
+    Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, Units, bearing_time,
+    refuse_columns,
 };
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
@@ -41,6 +44,22 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     }
     check_header(&rows.names, MAX_COLUMNS, MAX_HEADER_BYTES)?;
     table::read(&mut rows, options, Vec::new())
+}
+
+/// Reads detections as they come.
+///
+/// # Errors
+/// Faults of the header.
+pub(super) fn follow(
+    arrivals: &mut dyn Arrivals,
+    options: &ReadOptions,
+    listener: &mut dyn Listener,
+) -> Result<Units, Vec<Fault>> {
+    let mut incoming = Incoming::begin(arrivals);
+    let broken = incoming.broken();
+    let mut rows = CsvLines::open(&mut incoming, &broken)?;
+    check_header(rows.names(), MAX_COLUMNS, MAX_HEADER_BYTES)?;
+    table::follow(&mut rows, options, &broken, listener)
 }
 
 /// Writes one dataset; [`read`] of it gives the same dataset.

@@ -4,10 +4,12 @@
 //! times are counted from. Columns alone, arrays of records, a record a line and the states of OpenSky are read, too.
 
 use super::json_document::{Column, Columns, Document, MAX_SENSORS, document};
+use super::json_lines::LineRows;
 use super::json_records::Records;
 use super::lines::read_line;
+use super::live::{Arrivals, Incoming, Listener};
 use super::table::{self, FaultLog, Rows, Sink, pointer_token};
-use super::{Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, TABLES};
+use super::{Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, TABLES, Units};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::names::name_fault;
@@ -123,6 +125,21 @@ fn read_lines(input: &mut dyn BufRead) -> Result<Document, Vec<Fault>> {
         columns: records.finish(),
         ..Document::default()
     })
+}
+
+/// Reads detections as they come, a record a line.
+///
+/// # Errors
+/// A first line that is no record; faults of its names.
+pub(super) fn follow(
+    arrivals: &mut dyn Arrivals,
+    options: &ReadOptions,
+    listener: &mut dyn Listener,
+) -> Result<Units, Vec<Fault>> {
+    let mut incoming = Incoming::begin(arrivals);
+    let broken = incoming.broken();
+    let mut rows = LineRows::open(&mut incoming, &broken)?;
+    table::follow(&mut rows, options, &broken, listener)
 }
 
 fn check_counts(document: &Document, faults: &mut FaultLog) {

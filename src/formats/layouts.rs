@@ -3,8 +3,9 @@
 
 use super::clock::Clock;
 use super::feed::{Attribute, Feed, Manner, Motion, Report, Spot};
-use super::table::{FaultLog, Rows};
-use super::{ReadOptions, ReadOutcome, Reading, Reason};
+use super::live::{Broken, Listener, Reports};
+use super::table::{FaultLog, Interner, Rows};
+use super::{ReadOptions, ReadOutcome, Reading, Reason, Units};
 use crate::geodesy::is_on_earth;
 use crate::model::fault::Fault;
 use crate::model::time::TimeBase;
@@ -12,6 +13,8 @@ use std::collections::HashSet;
 
 const KNOT_MPS: f64 = 1852.0 / 3600.0;
 const FOOT_M: f64 = 0.3048;
+/// Rows and objects of a table that is read as it comes that are remembered at most.
+const MOST_SEEN: usize = 1_000_000;
 /// Share of the rows that may be wrong.
 const MAX_REJECTED: f64 = 0.01;
 
@@ -212,37 +215,36 @@ pub(super) fn read(
     options: &ReadOptions,
 ) -> Result<ReadOutcome, Vec<Fault>> {
     let mut reading = Reading::of(&options.options)?;
-    if reading.time_format.is_none() {
-        reading.time_format = layout.time_format.map(str::to_owned);
-    }
     // Added to all times when the feed is finished.
     reading.clock_offset_s = None;
     let columns = layout.columns(rows.names());
-    let mut reader = Reader {
-        feed: Feed::of(rows.row_word()),
-        clock: Clock::new(&reading, 1.0),
-        sensor: 0,
-        seen: layout.repeats.then(HashSet::new),
-    };
-    reader.sensor = reader.feed.sensors.number(layout.sensor);
-    reader.feed.warnings.push(format!(
-        "the columns are those of '{}'; `columns` with names of trackloom reads them otherwise",
-        layout.name
-    ));
-    loop {
-        let mut log = FaultLog::default();
-        let is_there = rows.advance(&mut log);
-        for fault in log.finish().err().unwrap_or_default() {
-            if let Some(line) = fault.line {
-                reader.feed.reject(Reason::Malformed, line, 1);
-            }
-        }
-        if !is_there {
-            break;
-        }
-        reader.read_row(rows, &columns);
-    }
+    let mut reader = Reader::new(layout, reading, rows.row_word());
+    while reader.next_row(rows, &columns) {}
     reader.feed.finish(TimeBase::Utc, &layout.manner, options)
+}
+
+/// Reads a table of a known layout as it comes.
+///
+/// # Errors
+/// Latitudes without a plane.
+pub(super) fn follow(
+    rows: &mut dyn Rows,
+    layout: &Layout,
+    reading: &Reading,
+    (broken, listener): (&Broken, &mut dyn Listener),
+) -> Result<Units, Vec<Fault>> {
+    let columns = layout.columns(rows.names());
+    let mut without_offset = reading.clone();
+    without_offset.clock_offset_s = None;
+    let mut reader = Reader::new(layout, without_offset, rows.row_word());
+    let mut reports = Reports::of(&mut reader.feed, reading)?;
+    while reader.next_row(rows, &columns) {
+        reader.forget();
+        reports.hand_on(&mut reader.feed, listener)?;
+    }
+    let mut units = reader.feed.units;
+    units.add(&broken.borrow());
+    Ok(units)
 }
 
 struct Reader {
@@ -284,6 +286,53 @@ fn scaled(rows: &dyn Rows, column: Option<(usize, f64)>) -> Result<Option<f64>, 
 }
 
 impl Reader {
+    fn new(layout: &Layout, mut reading: Reading, row_word: &str) -> Self {
+        if reading.time_format.is_none() {
+            reading.time_format = layout.time_format.map(str::to_owned);
+        }
+        let mut reader = Reader {
+            feed: Feed::of(row_word),
+            clock: Clock::new(&reading, 1.0),
+            sensor: 0,
+            seen: layout.repeats.then(HashSet::new),
+        };
+        reader.sensor = reader.feed.sensors.number(layout.sensor);
+        reader.feed.warnings.push(format!(
+            "the columns are those of '{}'; `columns` with names of trackloom reads them otherwise",
+            layout.name
+        ));
+        reader
+    }
+
+    /// Reads the next row; `false` at the end.
+    fn next_row(&mut self, rows: &mut dyn Rows, columns: &Columns) -> bool {
+        let mut log = FaultLog::default();
+        let is_there = rows.advance(&mut log);
+        for fault in log.finish().err().unwrap_or_default() {
+            if let Some(line) = fault.line {
+                self.feed.reject(Reason::Malformed, line, 1);
+            }
+        }
+        if is_there {
+            self.read_row(rows, columns);
+        }
+        is_there
+    }
+
+    /// Of a table that goes on and on not every row is remembered.
+    fn forget(&mut self) {
+        if self
+            .seen
+            .as_ref()
+            .is_some_and(|seen| seen.len() > MOST_SEEN)
+        {
+            self.seen = Some(HashSet::new());
+        }
+        if self.feed.identities.names().len() > MOST_SEEN {
+            self.feed.identities = Interner::default();
+        }
+    }
+
     fn read_row(&mut self, rows: &dyn Rows, columns: &Columns) {
         match self.report(rows, columns) {
             Ok(Some(report)) => {

@@ -10,16 +10,19 @@ mod clock;
 #[cfg(feature = "parquet")]
 mod columnar;
 pub mod csv;
+mod csv_lines;
 mod dialect;
 mod disorder;
 pub mod feed;
 pub mod gpx;
 pub mod json;
 mod json_document;
+mod json_lines;
 mod json_records;
 mod json_text;
 mod layouts;
 mod lines;
+pub mod live;
 mod loose;
 pub mod mode_s;
 pub mod mot;
@@ -40,6 +43,7 @@ pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};
 pub use out::{WRITERS, WriteError, Writer, writer_named};
 pub use reading::{Identity, Reading, SensorSite};
+pub use table::degrees;
 pub use told::detect_format;
 
 use crate::model::dataset::{Dataset, DatasetKind};

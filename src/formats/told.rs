@@ -12,7 +12,7 @@ const CAPTURES: [&[u8]; 5] = [
 ];
 
 /// Categories of ASTERIX that a block may begin with.
-const CATEGORIES: [u8; 14] = [1, 2, 4, 8, 10, 11, 19, 20, 21, 23, 34, 48, 62, 65];
+pub(super) const CATEGORIES: [u8; 14] = [1, 2, 4, 8, 10, 11, 19, 20, 21, 23, 34, 48, 62, 65];
 
 /// The format of a file by its first bytes, or by its name where they say nothing: what has a magic by that; JSON starts with `{` or
 /// `[`, and is of autoferry where it is an array of arrays or names what those files have; sentences, frames and XML by their first

@@ -112,6 +112,21 @@ impl Units {
         }
     }
 
+    /// Adds how others fared.
+    pub fn add(&mut self, other: &Units) {
+        self.total += other.total;
+        self.used += other.used;
+        for (kind, count) in &other.ignored {
+            *self.ignored.entry(kind.clone()).or_default() += count;
+        }
+        for (reason, rejected) in &other.rejected {
+            let own = self.rejected.entry(reason.clone()).or_default();
+            own.count += rejected.count;
+            let room = NAMED.saturating_sub(own.first.len());
+            own.first.extend(rejected.first.iter().take(room));
+        }
+    }
+
     pub fn ignored_count(&self) -> u64 {
         self.ignored.values().sum()
     }

@@ -23,6 +23,8 @@ SKIPPED = {
     "cargo run --release -p trackloom-domain": "builds a release and draws for minutes; its numbers have tests of their own",
     "trackloom serve": "a service runs already; two pages need PostgreSQL or a bucket, which other lanes have",
     "trackloom worker": "needs PostgreSQL; the lane 'processes' has it",
+    "trackloom feed --session": "waits for datagrams; tests/processes/feed.rs sends them",
+    "trackloom feed --server http://127.0.0.1:8080 --session": "waits for a network; tests/processes/feed.rs has one",
     "export AWS_": "names a bucket; tests/s3 has one",
     "trackloom run --preset papers": "minutes; the presets of its parts run below",
     "trackloom run --preset NAME": "no preset is called so; the real ones run below",
@@ -128,6 +130,8 @@ class Session:
                 writer.writerows(rows)
         for name in ["trial7-truth.csv", "truth.csv"]:
             (self.folder / name).write_bytes((self.folder / "scene/truth.csv").read_bytes())
+        live = {"name": "harbour", "sensors": SENSORS, "tracker": {"initial_speed_sigma_mps": 100.0}}
+        (self.folder / "harbour.json").write_text(json.dumps(live))
         # The file that the page shows, as it stands there.
         shown = re.search(r"```\n(time_s,scan,sensor_id,.*?)```", (ROOT / "docs/recordings.md").read_text(), re.DOTALL)
         (self.folder / "four-sensors.csv").write_text(shown[1])

@@ -5,6 +5,7 @@ mod children;
 mod command_line;
 mod database;
 mod disk;
+mod feed;
 mod job_files;
 mod many;
 mod postgres;

@@ -4,6 +4,7 @@ use crate::experiment::request::fields::{
     BEARING, NAME, PLACE, SIGMA, SIGMA_BEARING, SIGMA_RATE, SPEED, VELOCITY,
 };
 use crate::experiment::session::named;
+use crate::formats::degrees;
 use crate::geodesy::Stereographic;
 use crate::model::fault::Fault;
 use crate::model::own::{Own, OwnNoise};
@@ -157,6 +158,35 @@ pub struct PushedDetection {
 }
 
 impl PushedDetection {
+    /// What a sensor that tells no range rates pushes of a recorded detection.
+    pub fn of(detection_id: String, detection: &Detection) -> Self {
+        let measurement = &detection.measurement;
+        let place = measurement.position();
+        let range_m = match *measurement {
+            Measurement::RangeBearing { range_m, .. }
+            | Measurement::RangeBearingElevation { range_m, .. } => Some(range_m),
+            _ => None,
+        };
+        let bearing_rad = match *measurement {
+            Measurement::RangeBearing { bearing_rad, .. }
+            | Measurement::RangeBearingElevation { bearing_rad, .. }
+            | Measurement::Bearing { bearing_rad }
+            | Measurement::BearingElevation { bearing_rad, .. } => Some(bearing_rad),
+            Measurement::Position { .. } | Measurement::Position3 { .. } => None,
+        };
+        let mut pushed = PushedDetection {
+            detection_id: Some(detection_id),
+            ..PushedDetection::default()
+        };
+        let values = &mut pushed.values;
+        (values[X_M], values[Y_M]) = (place.map(|place| place.x), place.map(|place| place.y));
+        (values[Z_M], values[RANGE_M]) = (measurement.z_m(), range_m);
+        values[BEARING_DEG] = bearing_rad.map(degrees);
+        values[ELEVATION_DEG] = measurement.elevation_rad().map(degrees);
+        values[AMPLITUDE] = detection.amplitude;
+        pushed
+    }
+
     /// The measured values that are given.
     pub fn given(&self) -> Vec<&'static str> {
         let is_given = |index: &usize| self.values[*index].is_some();

@@ -69,6 +69,11 @@ impl Feed {
         }
     }
 
+    /// The greatest number that came.
+    pub fn last(&self) -> Option<u64> {
+        self.next.map(|next| next - 1)
+    }
+
     /// Hears of a time.
     pub fn hear(&mut self, time_s: f64) {
         let newest_s = self.newest_s.unwrap_or(time_s);

@@ -23,15 +23,16 @@ mod trails;
 mod written;
 
 pub use checking::{Checked, Checking};
+pub use detection::PushedDetection;
 pub use entry::{Entry, PUSHED_SCAN, PushedScan};
 pub use events::{SessionEvent, SessionEventKind};
 pub use hand::{HAND_TRACK, HandTrack, read_track};
 pub use picture::{SeenScan, SensorPlace, SessionPicture, TrackWay};
-pub use reading::read_scan;
+pub use reading::{checked_scan, read_scan};
 pub use recording::SessionRecording;
 pub use scene::Scene;
 pub use spec::{LatePolicy, SESSION};
-pub use told::{LiveTrack, SessionCounts, TrackHistory};
+pub use told::{LiveTrack, SensorHeard, SessionCounts, TrackHistory};
 
 use crate::model::fault::Fault;
 use events::{EventRing, serial_of};
@@ -58,7 +59,7 @@ pub struct Session {
 }
 
 /// What became of an entry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum EntryFate {

@@ -18,14 +18,8 @@ use serde_json::Value;
 /// # Errors
 /// All its faults.
 pub fn read_scan(value: &Value, scene: &Scene) -> Result<PushedScan, Vec<Fault>> {
+    let mut scan = checked_scan(value)?;
     let mut faults = Vec::new();
-    let checked = registry::check_into(value, &PUSHED_SCAN, &mut faults);
-    check_names(&checked, "", &mut faults);
-    if !faults.is_empty() {
-        return Err(faults);
-    }
-    let mut scan: PushedScan = parse(&checked);
-    scan.time_s = read_time(parse(&checked)).map_err(|fault| vec![fault])?;
     let Some(sensor) = scene.sensor_index(&scan.sensor_id) else {
         let detail = format!("the session has no sensor '{}'", scan.sensor_id);
         let fault = Fault::new("/sensor_id", "unknown_value", detail);
@@ -54,6 +48,22 @@ pub fn read_scan(value: &Value, scene: &Scene) -> Result<PushedScan, Vec<Fault>>
     } else {
         Err(faults)
     }
+}
+
+/// Checks a pushed scan as far as that goes without its session.
+///
+/// # Errors
+/// All its faults.
+pub fn checked_scan(value: &Value) -> Result<PushedScan, Vec<Fault>> {
+    let mut faults = Vec::new();
+    let checked = registry::check_into(value, &PUSHED_SCAN, &mut faults);
+    check_names(&checked, "", &mut faults);
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let mut scan: PushedScan = parse(&checked);
+    scan.time_s = read_time(parse(&checked)).map_err(|fault| vec![fault])?;
+    Ok(scan)
 }
 
 #[derive(Deserialize)]

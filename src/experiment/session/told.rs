@@ -30,6 +30,21 @@ pub struct SessionCounts {
     pub by_hand: u64,
 }
 
+/// What a session heard of a sensor: a sender goes on from there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct SensorHeard {
+    pub sensor_id: String,
+    /// The greatest number of its scans and heartbeats.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub last_sequence: Option<u64>,
+    /// The latest time of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub last_time_s: Option<f64>,
+}
+
 /// A track as it is believed to be.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
@@ -206,6 +221,17 @@ impl Session {
 
     pub fn counts(&self) -> SessionCounts {
         self.counts
+    }
+
+    /// What was heard of each sensor, as listed.
+    pub fn heard(&self) -> Vec<SensorHeard> {
+        let listed = self.scene.sensor_ids().iter().zip(&self.feeds);
+        let heard = listed.map(|(sensor_id, feed)| SensorHeard {
+            sensor_id: sensor_id.clone(),
+            last_sequence: feed.last(),
+            last_time_s: feed.newest_s,
+        });
+        heard.collect()
     }
 
     /// Time of the last scan that the tracker took.

@@ -18,6 +18,7 @@ use self::message::{Message, Particulars, Position};
 use self::parts::{Fate, Lines, Parts};
 use self::sentence::{Line, Part};
 use super::feed::{Attribute, Feed, Report, Spot};
+use super::table::Interner;
 use super::{Reason, lines};
 use crate::model::fault::Fault;
 use std::collections::HashMap;
@@ -45,9 +46,12 @@ pub fn decode(input: &mut dyn BufRead, told: &Told) -> Result<Feed, Vec<Fault>> 
     Ok(decoder.finish())
 }
 
-struct Decoder {
+/// Takes lines one by one.
+pub(super) struct Decoder {
     told: Told,
-    feed: Feed,
+    pub feed: Feed,
+    /// When the line came, of a feed that is read as it comes.
+    pub arrived_s: Option<f64>,
     clock: Clock,
     parts: Parts,
     bits: Bits,
@@ -65,12 +69,13 @@ struct Ship {
 }
 
 impl Decoder {
-    fn new(told: &Told) -> Self {
+    pub fn new(told: &Told) -> Self {
         let mut feed = Feed::of("line");
         feed.sensors.number("ais");
         Decoder {
             told: *told,
             feed,
+            arrived_s: None,
             clock: Clock::new(told.start_s),
             parts: Parts::default(),
             bits: Bits::default(),
@@ -79,7 +84,7 @@ impl Decoder {
         }
     }
 
-    fn take(&mut self, line: &[u8], number: u64) {
+    pub fn take(&mut self, line: &[u8], number: u64) {
         match sentence::parse(line, self.told.utc_offset_s) {
             Err(reason) => self.feed.reject(reason, number, 1),
             Ok(Line::Ignored(kind)) => self.feed.ignore(kind, 1),
@@ -175,7 +180,7 @@ impl Decoder {
 
     /// Of the fix, as near as the receiver's time, or a clock without one, tells.
     fn time_s(&mut self, received_s: Option<f64>, second: Option<u8>) -> Option<f64> {
-        if let Some(received_s) = received_s {
+        if let Some(received_s) = received_s.or(self.arrived_s) {
             return Some(with_second(received_s, second));
         }
         let time_s = self.clock.time_s(second)?;
@@ -206,7 +211,15 @@ impl Decoder {
         }
     }
 
-    fn finish(mut self) -> Feed {
+    /// Forgets all ships where they are more.
+    pub fn forget_beyond(&mut self, most: usize) {
+        if self.ships.len() > most {
+            self.ships.clear();
+            self.feed.identities = Interner::default();
+        }
+    }
+
+    pub fn finish(mut self) -> Feed {
         self.parts.end();
         self.give_up();
         if self.by_clock > 0 {

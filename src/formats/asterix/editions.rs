@@ -58,7 +58,10 @@ pub fn choose(file: &[u8], framing: Framing, told: &Told) -> Result<Chosen, Vec<
 }
 
 /// The editions that were told.
-fn named(told: &Told) -> Result<BTreeMap<u8, &'static Edition>, Vec<Fault>> {
+///
+/// # Errors
+/// `unknown_value` for an edition that is not known.
+pub fn named(told: &Told) -> Result<BTreeMap<u8, &'static Edition>, Vec<Fault>> {
     let mut named = BTreeMap::new();
     let mut faults = Vec::new();
     for (category, name) in &told.editions {
@@ -88,6 +91,23 @@ fn unknown(category: &str, name: &str) -> Fault {
         })
         .collect();
     Fault::new("/editions", "unknown_value", detail).allowing(known.join(", "))
+}
+
+/// Chooses the edition of one category of a stream by its first blocks, whose day is not known.
+///
+/// # Errors
+/// `unsupported_edition` as of [`choose`].
+pub fn of_first_blocks(
+    category: u8,
+    named: Option<&'static Edition>,
+    blocks: &[Block],
+) -> Result<(Uap, Option<String>), Vec<Fault>> {
+    let sample = Sample {
+        blocks,
+        is_dated: false,
+    };
+    let (edition, warning) = of_category(category, named, &sample)?;
+    Ok((Uap::of(edition), warning))
 }
 
 /// The first blocks of each category that is read.

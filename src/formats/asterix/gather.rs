@@ -9,21 +9,20 @@ use super::uap::Uap;
 use super::walk::{Items, walk};
 use crate::formats::Reason;
 use crate::formats::feed::{Attribute, Feed, Report, Spot};
+use crate::formats::table::Interner;
 use crate::model::dataset::DatasetKind;
 use crate::model::track::TrackStatus;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
 
 /// Reports as they come.
-pub struct Gathering<'t> {
+pub struct Gathering {
     pub feed: Feed,
     pub clock: Clock,
     /// How many records could be of each kind.
     pub held: BTreeMap<DatasetKind, u64>,
     kind: DatasetKind,
     with_test_targets: bool,
-    /// By category; what is not here is not read.
-    uaps: &'t BTreeMap<u8, Uap>,
     repeats: Repeats,
     /// The last report of each identity of a track.
     latest: HashMap<u32, usize>,
@@ -38,15 +37,14 @@ pub struct Gathering<'t> {
     text: String,
 }
 
-impl<'t> Gathering<'t> {
-    pub fn new(kind: DatasetKind, told: &Told, uaps: &'t BTreeMap<u8, Uap>) -> Self {
+impl Gathering {
+    pub fn new(kind: DatasetKind, told: &Told) -> Self {
         Gathering {
             feed: Feed::of("record"),
             clock: Clock::new(told.day_s),
             held: BTreeMap::new(),
             kind,
             with_test_targets: told.with_test_targets,
-            uaps,
             repeats: Repeats::default(),
             latest: HashMap::new(),
             sensors: BTreeMap::new(),
@@ -57,9 +55,18 @@ impl<'t> Gathering<'t> {
         }
     }
 
-    pub fn take<'a>(&mut self, piece: Piece<'a>, items: &mut Items<'t, 'a>) {
+    /// `uaps` are by category; what is not there is not read.
+    pub fn take<'t, 'a>(
+        &mut self,
+        piece: Piece<'a>,
+        uaps: &'t BTreeMap<u8, Uap>,
+        items: &mut Items<'t, 'a>,
+    ) {
         match piece {
-            Piece::Block(block) => self.block(&block, items),
+            Piece::Block(block) => match uaps.get(&block.category) {
+                Some(uap) => self.block(&block, uap, items),
+                None => self.ignore(unread(block.category)),
+            },
             Piece::Foreign(kind) => self.ignore(kind),
             Piece::Broken(reason) => self.reject(reason),
         }
@@ -70,16 +77,13 @@ impl<'t> Gathering<'t> {
         self.feed.ignore(kind, 1);
     }
 
-    fn reject(&mut self, reason: Reason) {
+    pub fn reject(&mut self, reason: Reason) {
         self.units += 1;
         self.feed.reject(reason, self.units, 1);
     }
 
     /// A block is read up to its first record that cannot be: where the next one would begin is not known.
-    fn block<'a>(&mut self, block: &Block<'a>, items: &mut Items<'t, 'a>) {
-        let Some(uap) = self.uaps.get(&block.category) else {
-            return self.ignore(unread(block.category));
-        };
+    fn block<'t, 'a>(&mut self, block: &Block<'a>, uap: &'t Uap, items: &mut Items<'t, 'a>) {
         let around = Around {
             captured_s: block.captured_s,
             framed_s: block.framed_s,
@@ -112,6 +116,14 @@ impl<'t> Gathering<'t> {
             Ok(None) => self.units += 1,
             Ok(Some(ignored)) => self.ignore(ignored),
             Err(reason) => self.reject(reason),
+        }
+    }
+
+    /// Forgets all identities where they are more.
+    pub fn forget_beyond(&mut self, most: usize) {
+        if self.identities.len() > most {
+            self.identities.clear();
+            self.feed.identities = Interner::default();
         }
     }
 
@@ -207,7 +219,9 @@ impl<'t> Gathering<'t> {
             identity,
             ..self.report(target, spot, time_s)
         });
-        self.describe(target);
+        if !self.feed.is_live {
+            self.describe(target);
+        }
         Ok(None)
     }
 

@@ -14,9 +14,12 @@ mod network;
 mod octets;
 mod repeats;
 mod shape;
+mod stream;
 mod times;
 mod uap;
 mod walk;
+
+pub(super) use stream::Stream;
 
 use super::feed::Feed;
 use crate::model::dataset::DatasetKind;
@@ -67,11 +70,11 @@ pub fn decode(input: &mut dyn BufRead, told: &Told) -> Result<Decoded, Vec<Fault
     let framing = framing::tell(&file)?;
     let chosen = editions::choose(&file, framing, told)?;
     let kind = told.kind.unwrap_or_else(|| default_kind(&chosen.uaps));
-    let mut gathering = gather::Gathering::new(kind, told, &chosen.uaps);
+    let mut gathering = gather::Gathering::new(kind, told);
     let mut items = walk::Items::default();
     for payload in capture::payloads(&file) {
         for piece in framing::pieces(payload, framing) {
-            gathering.take(piece, &mut items);
+            gathering.take(piece, &chosen.uaps, &mut items);
         }
     }
     let time_base = gathering.clock.base();

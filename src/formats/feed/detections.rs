@@ -14,7 +14,7 @@ use crate::model::state::Position;
 use std::collections::{BTreeMap, HashSet};
 
 /// Period of the scans that reports without scans are gathered in (s).
-const FRAME_S: f64 = 10.0;
+pub(in crate::formats) const FRAME_S: f64 = 10.0;
 /// Noise of a radar's plots that do not say theirs (m, degrees).
 const RADAR_SIGMAS: (f64, f64) = (70.0, 0.08);
 
@@ -182,7 +182,10 @@ fn own_of(report: &super::Report, scan_s: f64, ground: &Ground) -> Own {
     }
 }
 
-fn measure(report: &super::Report, ground: &mut Ground) -> Option<Measurement> {
+pub(in crate::formats) fn measure(
+    report: &super::Report,
+    ground: &mut Ground,
+) -> Option<Measurement> {
     if let Some((range_m, bearing_rad)) = ground.polar(report) {
         return Some(Measurement::RangeBearing {
             range_m,

@@ -12,7 +12,8 @@ mod tests;
 mod tracks;
 mod truth;
 
-pub(super) use place::Middle;
+pub(super) use detections::{FRAME_S, measure};
+pub(super) use place::{Ground, Middle};
 
 use super::reading::{Identity, Reading};
 use super::table::Interner;
@@ -173,6 +174,8 @@ pub struct Feed {
     /// What is said of identities; the last word counts.
     known: BTreeMap<(u32, Attribute), u32>,
     texts: Interner,
+    /// Whether reports are handed on as they come: nothing is kept that is said beside them.
+    pub is_live: bool,
 }
 
 impl Feed {
@@ -190,6 +193,9 @@ impl Feed {
 
     /// Says something of the report pushed last.
     pub fn describe(&mut self, attribute: Attribute, text: &str) {
+        if self.is_live {
+            return;
+        }
         let text = self.texts.number(text);
         self.describe_by_number(attribute, text);
     }
@@ -208,6 +214,9 @@ impl Feed {
 
     /// Says something of an identity, whenever it is known.
     pub fn describe_identity(&mut self, identity: u32, attribute: Attribute, text: &str) {
+        if self.is_live {
+            return;
+        }
         let text = self.texts.number(text);
         self.known.insert((identity, attribute), text);
     }

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 const FAR_M: f64 = 1e6;
 
 /// The plane, and the sites of sensors in it. It is chosen from the reports that are used.
-pub(super) struct Ground {
+pub(in crate::formats) struct Ground {
     pub frame: Option<Frame>,
     plane: Option<Stereographic>,
     sites: BTreeMap<u32, Site>,
@@ -55,6 +55,20 @@ impl Ground {
             assumed_height_m: reading.assumed_height_m,
             farthest_m: 0.0,
         })
+    }
+
+    /// Learns where a sensor stands. Where nothing says the plane, it touches the Earth there.
+    pub fn learn(&mut self, sensor: u32, site: Site) {
+        if self.frame.is_none()
+            && let Ok(frame) = Frame::new(site.lat_deg, site.lon_deg, site.height_m)
+        {
+            (self.frame, self.plane) = (Some(frame), Some(Stereographic::from(frame)));
+        }
+        if let Some(plane) = &self.plane {
+            let place_m = plane.project(site.lat_deg, site.lon_deg);
+            self.sites_m.insert(sensor, place_m);
+        }
+        self.sites.insert(sensor, site);
     }
 
     pub fn site(&self, sensor: u32) -> Option<&Site> {

@@ -7,6 +7,7 @@ use super::fields::{self, FOOT_M};
 use super::frame::{Frame, NoFrame};
 use crate::formats::Reason;
 use crate::formats::feed::{Attribute, Feed, Report, Spot};
+use crate::formats::table::Interner;
 use std::collections::HashMap;
 
 /// Replies name their aircraft by parity alone, so they are believed of those that were heard this long ago.
@@ -47,7 +48,7 @@ pub(super) struct Sighting {
     pub is_on_ground: Option<bool>,
 }
 
-pub(super) struct Decoder {
+pub struct Decoder {
     pub feed: Feed,
     receiver: Option<Place>,
     /// By address, and [`ANONYMOUS`].
@@ -71,7 +72,7 @@ impl Decoder {
         }
     }
 
-    pub fn aircraft(&mut self, address: u32) -> &mut Aircraft {
+    pub(super) fn aircraft(&mut self, address: u32) -> &mut Aircraft {
         self.aircraft.entry(address).or_default()
     }
 
@@ -212,7 +213,7 @@ impl Decoder {
     }
 
     /// A report of an aircraft, with what else it said.
-    pub fn push(&mut self, address: u32, sighting: &Sighting) {
+    pub(super) fn push(&mut self, address: u32, sighting: &Sighting) {
         let (feed, time_s) = (&mut self.feed, sighting.time_s);
         let aircraft = self.aircraft.entry(address).or_default();
         let identity = *aircraft
@@ -259,6 +260,14 @@ impl Decoder {
             Some(Altitude::Pressure(_)) => self.pressure_altitudes += 1,
             Some(Altitude::Geometric(_)) => self.geometric_heights += 1,
             None => {}
+        }
+    }
+
+    /// Forgets all aircraft where they are more.
+    pub fn forget_beyond(&mut self, most: usize) {
+        if self.aircraft.len() > most {
+            self.aircraft.clear();
+            self.feed.identities = Interner::default();
         }
     }
 

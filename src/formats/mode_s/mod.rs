@@ -20,7 +20,7 @@ pub use self::clock::Ticks;
 
 use self::beast::{Beast, Found, HEAD};
 use self::clock::Clock;
-use self::decoder::Decoder;
+pub(super) use self::decoder::Decoder;
 use super::feed::Feed;
 use super::{Reason, lines};
 use crate::model::fault::Fault;
@@ -63,29 +63,9 @@ enum Framing {
 /// A framing that is none of these; `start`, or `utc_offset_s`, where the framing has no times without it; a line that is too
 /// long, and a file that cannot be read.
 pub fn decode(input: &mut dyn BufRead, told: &Told) -> Result<Feed, Vec<Fault>> {
-    let framing = framing(input)?;
-    match framing {
+    match framing(input)? {
         Framing::Beast => beast(input, told),
-        Framing::Rs1090 => texts(input, told, |decoder, line, unit| {
-            timed_line(decoder, line, unit);
-        }),
-        Framing::Avr => {
-            let mut clock = clock(told)?;
-            texts(input, told, |decoder, line, unit| {
-                avr_line(decoder, &mut clock, line, unit)
-            })
-        }
-        Framing::Sbs => {
-            let offset_s = told.utc_offset_s.ok_or_else(|| {
-                missing(
-                    "utc_offset_s",
-                    "the times of a BaseStation are local and name no zone",
-                )
-            })?;
-            texts(input, told, |decoder, line, unit| {
-                sbs::take(decoder, line, unit, offset_s)
-            })
-        }
+        framing => texts(input, told, LineReader::new(framing, told)?),
     }
 }
 
@@ -153,22 +133,95 @@ fn beast(input: &mut dyn BufRead, told: &Told) -> Result<Feed, Vec<Fault>> {
     Ok(decoder.finish())
 }
 
-/// Hands on the lines of a text that are neither blank nor comments.
-fn texts(
-    input: &mut dyn BufRead,
-    told: &Told,
-    mut take: impl FnMut(&mut Decoder, &str, u64),
-) -> Result<Feed, Vec<Fault>> {
+/// Reads all lines of a text.
+fn texts(input: &mut dyn BufRead, told: &Told, mut reader: LineReader) -> Result<Feed, Vec<Fault>> {
     let mut decoder = Decoder::new("line", told);
-    lines::each_line(input, &mut |line, unit| match line.trim_ascii() {
-        [] => decoder.feed.ignore("blank", 1),
-        [b'#', ..] => decoder.feed.ignore("comment", 1),
-        line => match str::from_utf8(line) {
-            Ok(line) => take(&mut decoder, line, unit),
-            Err(_) => decoder.feed.reject(Reason::Malformed, unit, 1),
-        },
+    lines::each_line(input, &mut |line, unit| {
+        reader.take(&mut decoder, line, unit)
     })?;
     Ok(decoder.finish())
+}
+
+/// Takes the lines of a text one by one.
+pub(super) struct LineReader {
+    framing: Framing,
+    /// Of AVR, where a start is given.
+    clock: Option<Clock>,
+    /// Of a BaseStation.
+    offset_s: f64,
+    /// When the line came, of a feed that is read as it comes.
+    pub arrived_s: Option<f64>,
+}
+
+impl LineReader {
+    fn new(framing: Framing, told: &Told) -> Result<Self, Vec<Fault>> {
+        let reader = LineReader::of_arrivals(framing, told)?;
+        match framing {
+            Framing::Avr => Ok(LineReader {
+                clock: Some(clock(told)?),
+                ..reader
+            }),
+            _ => Ok(reader),
+        }
+    }
+
+    /// Where the times of arrival are known no start is needed.
+    fn of_arrivals(framing: Framing, told: &Told) -> Result<Self, Vec<Fault>> {
+        let detail = "the times of a BaseStation are local and name no zone";
+        let is_local = framing == Framing::Sbs && told.utc_offset_s.is_none();
+        if is_local {
+            return Err(missing("utc_offset_s", detail));
+        }
+        let start_s = told.start_s;
+        Ok(LineReader {
+            framing,
+            clock: start_s.map(|start_s| Clock::new(told.ticks, start_s)),
+            offset_s: told.utc_offset_s.unwrap_or_default(),
+            arrived_s: None,
+        })
+    }
+
+    /// Of a feed that is read as it comes, by its first lines.
+    ///
+    /// # Errors
+    /// As of [`decode`]; frames of Beast, which are no lines.
+    pub fn live(first: &[u8], told: &Told) -> Result<Self, Vec<Fault>> {
+        match framing(&mut &first[..])? {
+            Framing::Beast => {
+                let detail = "frames of Beast are read as a whole file only";
+                let fault = Fault::new("/file", "unsupported", detail);
+                Err(vec![fault.allowing("BaseStation, rs1090, AVR")])
+            }
+            framing => LineReader::of_arrivals(framing, told),
+        }
+    }
+
+    /// Lines that are blank or comments are passed over.
+    pub fn take(&mut self, decoder: &mut Decoder, line: &[u8], unit: u64) {
+        match line.trim_ascii() {
+            [] => decoder.feed.ignore("blank", 1),
+            [b'#', ..] => decoder.feed.ignore("comment", 1),
+            line => match str::from_utf8(line) {
+                Ok(line) => self.take_text(decoder, line, unit),
+                Err(_) => decoder.feed.reject(Reason::Malformed, unit, 1),
+            },
+        }
+    }
+
+    fn take_text(&mut self, decoder: &mut Decoder, line: &str, unit: u64) {
+        match self.framing {
+            Framing::Sbs => sbs::take(decoder, line, unit, self.offset_s),
+            Framing::Avr => avr_line(decoder, self, line, unit),
+            Framing::Rs1090 | Framing::Beast => timed_line(decoder, line, unit),
+        }
+    }
+
+    fn time_s(&mut self, shown: Option<u64>) -> Option<f64> {
+        match &mut self.clock {
+            Some(clock) => clock.time_s(shown?),
+            None => self.arrived_s,
+        }
+    }
 }
 
 fn timed_line(decoder: &mut Decoder, line: &str, unit: u64) {
@@ -180,11 +233,11 @@ fn timed_line(decoder: &mut Decoder, line: &str, unit: u64) {
     }
 }
 
-fn avr_line(decoder: &mut Decoder, clock: &mut Clock, line: &str, unit: u64) {
+fn avr_line(decoder: &mut Decoder, reader: &mut LineReader, line: &str, unit: u64) {
     let mut octets = [0; text::MAX_OCTETS];
     match text::avr(line, &mut octets) {
         Ok((shown, text::Line::Frame(frame))) => {
-            decoder.frame(frame, shown.and_then(|shown| clock.time_s(shown)), unit);
+            decoder.frame(frame, reader.time_s(shown), unit);
         }
         Ok((_, text::Line::Ignored(kind))) => decoder.feed.ignore(kind, 1),
         Err(reason) => decoder.feed.reject(reason, unit, 1),

@@ -2,11 +2,13 @@
 //! declares a scan that saw nothing.
 
 mod columns;
+mod live;
 mod own;
 mod poses;
 mod scans;
 mod write;
 
+pub use live::follow;
 pub use own::{COLUMNS as OWN_COLUMNS, VELOCITY as OWN_VELOCITY};
 pub use poses::{COLUMNS as POSE_COLUMNS, PLACE as POSE_PLACE};
 pub use write::write;

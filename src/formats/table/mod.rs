@@ -10,6 +10,7 @@ mod fault_log;
 mod ground;
 mod header;
 mod interner;
+mod live;
 mod rejects;
 mod repeats;
 mod row;
@@ -21,6 +22,7 @@ pub use degrees::degrees;
 pub use fault_log::FaultLog;
 pub use header::pointer_token;
 pub use interner::Interner;
+pub use live::follow;
 pub use repeats::Repeats;
 
 use super::{ReadOptions, ReadOutcome, Reading, layouts};

@@ -38,6 +38,12 @@ impl Rejects {
         }
     }
 
+    /// Adds the rejected rows so far to the units of a table.
+    pub fn add_to(&self, units: &mut Units) {
+        units.total += self.count();
+        units.rejected.clone_from(&self.units.rejected);
+    }
+
     /// Adds the rejected rows to the units of a table.
     ///
     /// # Errors

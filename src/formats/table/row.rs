@@ -63,6 +63,23 @@ impl<'a> RowReader<'a> {
         Ok(units)
     }
 
+    /// How the rows fared so far, the current one not counted.
+    pub fn units(&self) -> Units {
+        let mut units = Units::called(self.rows.row_word());
+        let is_wrong = !self.faults.is_empty();
+        units.use_up(self.count - self.rejected - u64::from(is_wrong));
+        if let Some(rejects) = &self.rejects {
+            rejects.add_to(&mut units);
+        }
+        units
+    }
+
+    /// Whether the current row is the header again.
+    pub fn is_header(&self) -> bool {
+        let mut names = self.rows.names().iter().enumerate();
+        names.all(|(column, name)| self.rows.cell(column) == name)
+    }
+
     pub fn time_base(&self) -> TimeBase {
         self.clock.base()
     }

@@ -228,6 +228,23 @@ impl FileSource {
         Ok(self.read_bytes(folder, kind)?.0)
     }
 
+    /// What is said of the file: its format, where that is said, and what a reader has to know.
+    pub(super) fn told(
+        &self,
+        kind: Option<DatasetKind>,
+    ) -> Result<(Option<&'static Format>, ReadOptions), Vec<Fault>> {
+        let format = match &self.format {
+            Some(name) => Some(formats::format_named(name).ok_or_else(|| unknown_format(name))?),
+            None => None,
+        };
+        let options = ReadOptions {
+            kind,
+            columns: self.columns.clone(),
+            options: self.options.clone(),
+        };
+        Ok((format, options))
+    }
+
     fn read_bytes(
         &self,
         folder: &Path,
@@ -238,15 +255,7 @@ impl FileSource {
             let detail = format!("{}: {error}", path.display());
             vec![Fault::new("/path", "not_found", detail)]
         })?;
-        let format = match &self.format {
-            Some(name) => Some(formats::format_named(name).ok_or_else(|| unknown_format(name))?),
-            None => None,
-        };
-        let options = ReadOptions {
-            kind,
-            columns: self.columns.clone(),
-            options: self.options.clone(),
-        };
+        let (format, options) = self.told(kind)?;
         let read = formats::read_file(&self.path, &mut bytes.as_slice(), format, &options)?;
         Ok((read, bytes))
     }

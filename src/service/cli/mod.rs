@@ -7,6 +7,7 @@ mod compare;
 mod convert;
 mod demo;
 mod demo_live;
+mod feed;
 mod files;
 mod inspect;
 mod reading;
@@ -50,6 +51,14 @@ enum Command {
     Report(report::ReportArguments),
     /// Read a file of detections, truth or tracks, and write it in another format
     Convert(convert::ConvertArguments),
+    /// Push what a file, standard input, UDP or TCP brings into a live session
+    #[command(
+        mut_arg("file", |argument| argument.value_name("FILE|-|udp://HOST:PORT|tcp://HOST:PORT").help("What to read: a file, - for standard input, datagrams that come to an address, or what a server sends")),
+        mut_arg("kind", |argument| argument.hide(true)),
+        mut_arg("sensors", |argument| argument.hide(true)),
+        mut_arg("format", |argument| argument.help("The format; told from the content when absent. `scans` is what sessions take, one scan a line"))
+    )]
+    Feed(feed::FeedArguments),
     /// Say what a file holds, how its units fared, what seems wrong, and which job to start from
     Inspect(inspect::InspectArguments),
     /// Run the tour: a simulated scene and a radar recording, judged; then serve the dashboard with both
@@ -229,6 +238,7 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => return compare::run(&arguments),
         Command::Report(arguments) => return report::run(&arguments),
         Command::Convert(arguments) => return convert::convert(&arguments),
+        Command::Feed(arguments) => return feed::run(&arguments),
         Command::Inspect(arguments) => return inspect::run(&arguments),
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
         Command::Methods(arguments) => return catalogue::print_methods(&arguments),

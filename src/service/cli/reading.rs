@@ -1,7 +1,7 @@
 //! What is told of a file on the command line, by the commands that read one.
 
 use super::files::{FILE_SOURCE, FileSource};
-use crate::formats::{Format, ReadOutcome};
+use crate::formats::{Format, ReadOptions, ReadOutcome};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
@@ -18,7 +18,7 @@ pub(super) struct ReadArguments {
     pub file: PathBuf,
     /// The format of the file; told from its content when absent
     #[arg(long)]
-    format: Option<String>,
+    pub format: Option<String>,
     /// What the file holds; told from its content when absent
     #[arg(long, value_parser = PossibleValuesParser::new(DatasetKind::ALL.map(DatasetKind::name)))]
     kind: Option<String>,
@@ -57,6 +57,17 @@ impl ReadArguments {
             .map_err(|error| vec![Fault::new("--sensors", "malformed", error.to_string())])?;
         read.dataset.describe_sensors(&sensors);
         Ok(read.dataset)
+    }
+
+    /// What is said of the file, for who reads it another way: the format, where it is said, and the options.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments.
+    pub fn told(
+        &self,
+        kind: DatasetKind,
+    ) -> Result<(Option<&'static Format>, ReadOptions), Vec<Fault>> {
+        source(self)?.told(Some(kind))
     }
 
     /// What was read, and in which format.

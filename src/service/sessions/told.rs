@@ -33,6 +33,7 @@ pub(super) fn told_of(session: &Session) -> SessionLive {
         tracks: tracks as u64,
         confirmed: confirmed as u64,
         last_event: session.last_event(),
+        sensors: session.heard(),
         warnings: session.scene().warnings.clone(),
     }
 }

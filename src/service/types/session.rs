@@ -1,7 +1,7 @@
 //! Live sessions on the wire.
 
 pub use crate::experiment::session::{
-    EntryFate, LatePolicy, LiveTrack, SessionCounts, SessionEvent, SessionEventKind,
+    EntryFate, LatePolicy, LiveTrack, SensorHeard, SessionCounts, SessionEvent, SessionEventKind,
     SessionPicture, TrackHistory,
 };
 use jiff::Timestamp;
@@ -105,6 +105,8 @@ pub struct SessionLive {
     pub confirmed: u64,
     /// Number of the latest event.
     pub last_event: u64,
+    /// What was heard of each sensor.
+    pub sensors: Vec<SensorHeard>,
     /// What is assumed of its sensors.
     pub warnings: Vec<String>,
 }

@@ -1,0 +1,31 @@
+//! A feed that is asked to end: by Ctrl-C or SIGTERM.
+
+use tokio::signal::unix::{Signal, SignalKind, signal};
+
+pub(super) struct Stop {
+    interrupt: Signal,
+    terminate: Signal,
+    is_asked: bool,
+}
+
+impl Stop {
+    pub fn on_signals() -> anyhow::Result<Self> {
+        Ok(Stop {
+            interrupt: signal(SignalKind::interrupt())?,
+            terminate: signal(SignalKind::terminate())?,
+            is_asked: false,
+        })
+    }
+
+    /// Waits until somebody asks; at once where somebody has.
+    pub async fn asked(&mut self) {
+        if self.is_asked {
+            return;
+        }
+        tokio::select! {
+            _ = self.interrupt.recv() => {}
+            _ = self.terminate.recv() => {}
+        }
+        self.is_asked = true;
+    }
+}
