@@ -201,9 +201,10 @@ function paintWays(sheet: Sheet): void {
   if (!selected || moment?.tracks.some((track) => track.id === selected)) return;
   // One that has ended has no place any more.
   const points = wayPoints(sheet, selected);
-  const [x, y] = points.at(-1) ?? [NaN, NaN];
+  const end = points.at(-1);
+  if (!end) return;
   pen.line(points, { color: palette.muted, width: 2.6 });
-  pen.shape("M-5 -5L5 5M5 -5L-5 5", x, y, { stroke: palette.muted });
+  pen.shape("M-5 -5L5 5M5 -5L-5 5", ...end, { stroke: palette.muted });
 }
 
 /** How many seconds the arrows show: a round number, so that the longest is not too long. */
@@ -343,12 +344,12 @@ export function livePainting(plan: LivePlan): Painting {
       pen.rect(0, 0, size.width, size.height, palette.surface);
       pen.within([0, 0, size.width, size.height], () => {
         paintGrid(sheet);
+        paintScale(pen, size, pixels, palette);
         paintSensors(sheet);
         paintDetections(sheet);
         paintWays(sheet);
         paintTracks(sheet);
         paintRuler(sheet);
-        paintScale(pen, size, pixels, palette);
       });
     },
   };
