@@ -22,6 +22,7 @@ const LEAST_ARROW_PX = 6;
 const LEAST_ELLIPSE_PX = 7;
 const SIGMAS = 2;
 const THIN_PX = 3;
+const SPOT_M = 500;
 const RING_PX = 7;
 
 type Point = [number, number];
@@ -86,7 +87,13 @@ export function extentOf(plan: LivePlan): Extent | undefined {
     extent.yMin = Math.min(extent.yMin, y);
     extent.yMax = Math.max(extent.yMax, y);
   }
-  return extent;
+  const isSpot = extent.xMax - extent.xMin < 1 && extent.yMax - extent.yMin < 1;
+  return isSpot ? around(extent.xMin, extent.yMin) : extent;
+}
+
+/** Of directions alone nobody knows how far away they are. */
+function around(x: number, y: number): Extent {
+  return { xMin: x - SPOT_M, xMax: x + SPOT_M, yMin: y - SPOT_M, yMax: y + SPOT_M };
 }
 
 function paintGrid({ pen, camera, size, palette, place }: Sheet): void {
