@@ -3,7 +3,8 @@
 //   TRACKLOOM_URL=http://… node speed.mjs            makes the data, then measures
 //
 // Printed: the middle of seven loads in fresh browser contexts (milliseconds), and the ratio to the
-// data of 10⁴ detections.
+// data of 10⁴ detections. Then the frames a second of a live session of 200 tracks at ten scans a second, while
+// it follows and while it is dragged all the time.
 
 import { chromium } from "playwright-core";
 
@@ -145,6 +146,94 @@ async function measured(browser, query, place, zooms) {
   };
 }
 
+const TARGETS = 200;
+const LIVE_S = 10;
+
+/** The scan of a moment: 200 targets on a grid, each with its own course. */
+function liveScan(index) {
+  const time_s = 0.1 * index;
+  const detections = Array.from({ length: TARGETS }, (_, target) => ({
+    x_m: 600 * (target % 20) + 100 * Math.sin(target) * time_s + 8 * Math.sin(7 * target + index),
+    y_m: 600 * Math.floor(target / 20) + 100 * Math.cos(target) * time_s,
+  }));
+  return { sensor_id: "radar", sequence: index, time_s, detections };
+}
+
+/** Pushes ten scans a second until it is told to stop; answers how many. */
+async function fed(path, feed) {
+  const begun = performance.now();
+  let index = 0;
+  for (; feed.goesOn; index++) {
+    await asked(`${path}/scans`, liveScan(index));
+    const due = begun + 100 * (index + 1);
+    await new Promise((wake) => setTimeout(wake, Math.max(due - performance.now(), 0)));
+  }
+  return { scans: index, seconds: (performance.now() - begun) / 1000 };
+}
+
+/** Milliseconds between the frames of some seconds. */
+function frameTimes(page, seconds) {
+  return page.evaluate(async (long) => {
+    const times = [];
+    const begun = performance.now();
+    let before = begun;
+    while (before - begun < long * 1000) {
+      const now = await new Promise((next) => requestAnimationFrame(next));
+      times.push(now - before);
+      before = now;
+    }
+    return times.slice(1);
+  }, seconds);
+}
+
+/** Frames a second on the whole, and in the worst second. */
+function rates(times) {
+  let [worst, frames, spent] = [Infinity, 0, 0];
+  for (const time of times) {
+    frames += 1;
+    spent += time;
+    if (spent < 1000) continue;
+    worst = Math.min(worst, (frames * 1000) / spent);
+    [frames, spent] = [0, 0];
+  }
+  const all = times.reduce((sum, time) => sum + time, 0);
+  const slowest = Math.max(...times);
+  return { whole: (times.length * 1000) / all, worst, slowest };
+}
+
+async function liveFrames(browser) {
+  const sensors = [
+    { sensor_id: "radar", sigma_x_m: 10, sigma_y_m: 10, p_d: 0.95, clutter_per_m2: 1e-9 },
+  ];
+  const tracker = { initial_speed_sigma_mps: 80 };
+  const { id } = await asked("/v1/sessions", { name: "speed", sensors, tracker });
+  const path = `/v1/sessions/${id}`;
+  const feed = { goesOn: true };
+  const feeding = fed(path, feed);
+  const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
+  await page.goto(`${BASE}/?view=session&session=${id}`);
+  await page.locator(".live-plan canvas").waitFor();
+  await page.waitForTimeout(8000);
+  const following = rates(await frameTimes(page, LIVE_S));
+  const box = await page.locator(".live-plan canvas").boundingBox();
+  await page.mouse.move(box.x + 400, box.y + 200);
+  await page.mouse.down();
+  const hand = { moves: true };
+  const dragging = (async () => {
+    for (let step = 0; hand.moves; step++)
+      await page.mouse.move(box.x + 400 + 80 * Math.sin(step / 9), box.y + 200);
+  })();
+  const dragged = rates(await frameTimes(page, LIVE_S));
+  hand.moves = false;
+  await dragging;
+  feed.goesOn = false;
+  const { scans, seconds } = await feeding;
+  const { tracks, last_scan } = await asked(`${path}/picture`);
+  const drawn = await page.locator(".clock-text").innerText();
+  await page.close();
+  return { following, dragged, scans, seconds, tracks: tracks.length, last_scan, drawn };
+}
+
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
   args: ARGUMENTS,
@@ -166,6 +255,7 @@ for (const perScan of [10, 100, 1000]) {
     await measured(browser, `?view=job&job=${id}&tab=plan`, ".plan", true),
   ]);
 }
+const live = await liveFrames(browser);
 await browser.close();
 const base = rows.find(([name]) => name === "plan, 10000 detections")[1];
 console.log("view | first load | later loads | zoom | ratio of later loads and zoom to 10⁴");
@@ -174,3 +264,12 @@ for (const [name, { first, rest, zoom }] of rows) {
     zoom === undefined ? "" : `${(rest / base.rest).toFixed(2)}, ${(zoom / base.zoom).toFixed(2)}`;
   console.log([name, first.toFixed(0), rest.toFixed(0), zoom?.toFixed(0) ?? "", ratio].join(" | "));
 }
+console.log("live session | frames a second | in the worst second | longest frame (ms)");
+for (const name of ["following", "dragged"]) {
+  const { whole, worst, slowest } = live[name];
+  console.log([name, whole.toFixed(1), worst.toFixed(1), slowest.toFixed(0)].join(" | "));
+}
+const { scans, seconds, tracks, last_scan, drawn } = live;
+console.log(
+  `${tracks} tracks, ${(scans / seconds).toFixed(1)} scans a second, ${last_scan} taken; on the page: ${drawn}`,
+);

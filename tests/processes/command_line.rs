@@ -2,7 +2,7 @@
 
 use crate::process::trackloom;
 use serde_json::{Value, json};
-use std::io::Write;
+use std::io::{BufRead, Write};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -193,6 +193,45 @@ fn a_port_that_is_taken_is_told_before_the_tour() {
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("--listen"), "{}", stderr(&output));
     assert_eq!(stdout(&output), "");
+}
+
+/// Lines that a program prints, until one has this in it; what follows it there.
+fn printed_after(child: &mut std::process::Child, start: &str) -> String {
+    let lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
+    let mut rest = lines.filter_map(|line| Some(line.ok()?.split_once(start)?.1.to_owned()));
+    rest.next().unwrap()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_tour_ends_with_a_live_session_that_moves() {
+    let data = tempfile::tempdir().unwrap();
+    let mut child = trackloom()
+        .args(["demo", "--listen", "127.0.0.1:0", "--data"])
+        .arg(data.path())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let page = printed_after(&mut child, "as a live session: ");
+    let (base, session) = page.split_once("/?view=session&session=").unwrap();
+    let picture = async |after: u64| {
+        let path = format!("{base}/v1/sessions/{session}/picture?after_scan={after}&wait=30");
+        let answer = reqwest::get(path).await.unwrap();
+        answer.json::<Value>().await.unwrap()
+    };
+    let first = picture(0).await;
+    let after = first["last_scan"].as_u64().unwrap();
+    let next = picture(after).await;
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(next["scans"][0]["number"], after + 1, "{next}");
+    // The clock of the recording: the radar turns once in 1.7 s.
+    let time_s = |picture: &Value| picture["processed_to_s"].as_f64().unwrap();
+    let passed_s = time_s(&next) - time_s(&first);
+    assert!((1.0..6.0).contains(&passed_s), "{passed_s}");
+    assert!(
+        next["scans"][0]["detections"].as_u64().unwrap() > 0,
+        "{next}"
+    );
 }
 
 /// The example for build servers on a job; its exit code, and where its verdicts are.

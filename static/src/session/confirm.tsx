@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren, JSX } from "preact";
-import { useEffect, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 
 interface Props {
   name: string;
@@ -13,22 +13,22 @@ interface Props {
   failed: (error: unknown) => void;
 }
 
+const takeFocus = (button: HTMLElement | null) => button?.focus();
+
 export function Confirm({ name, question, doIt, press, failed }: Props): JSX.Element {
   const isAsked = useSignal(false);
   const isBusy = useSignal(false);
-  const yes = useRef<HTMLButtonElement>(null);
-  useEffect(() => {
-    if (isAsked.value) yes.current?.focus();
-  }, [isAsked.value]);
+  const first = useRef<HTMLButtonElement>(null);
   if (!isAsked.value)
     return (
-      <button type="button" onClick={() => (isAsked.value = true)}>
+      <button ref={first} type="button" onClick={() => (isAsked.value = true)}>
         {name}
       </button>
     );
   const leave = () => {
     isAsked.value = false;
     isBusy.value = false;
+    window.setTimeout(() => first.current?.focus());
   };
   const go = () => {
     isBusy.value = true;
@@ -42,7 +42,7 @@ export function Confirm({ name, question, doIt, press, failed }: Props): JSX.Ele
       onKeyDown={(event) => event.key === "Escape" && leave()}
     >
       <span>{question}</span>
-      <button ref={yes} type="button" class="primary" disabled={isBusy.value} onClick={go}>
+      <button ref={takeFocus} type="button" class="primary" disabled={isBusy.value} onClick={go}>
         {doIt}
       </button>
       <button type="button" onClick={leave}>

@@ -67,11 +67,15 @@ export function LiveClock({ follower, at }: LiveProps): JSX.Element {
       <output class="clock-text" title={moment ? clockTitle(moment.time) : undefined}>
         <b>{text}</b> {moment ? `scan ${moment.scan}` : ""}
         <span class="sub">
-          {isFollowing ? "follows the feed" : behind(moments.length - 1 - index)}
+          {isFollowing ? following(follower) : behind(moments.length - 1 - index)}
         </span>
       </output>
     </div>
   );
+}
+
+function following({ bond }: LiveProps["follower"]): string {
+  return bond.value === "ended" ? "the newest there was" : "follows the feed";
 }
 
 function behind(pictures: number): string {

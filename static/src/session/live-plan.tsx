@@ -171,6 +171,7 @@ export function PlanOfSession({ follower, at }: LiveProps): JSX.Element {
   useEffect(() => (box.current ? view.listen(box.current) : undefined), [view]);
   useEffect(() => {
     if (goTo.value) view.lookAtTrack(goTo.value.track);
+    goTo.value = undefined;
   }, [goTo.value]);
   void [theme.value, view.camera.value];
   const palette = readPalette();

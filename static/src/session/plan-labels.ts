@@ -9,7 +9,9 @@ export interface Box {
 
 const HEIGHT = 13;
 const DIGIT_PX = 6.3;
-const AWAY_PX = 7;
+const AWAY_PX = 11;
+/** More than a drawing has rows of cells. */
+const ROWS = 4096;
 
 export interface Named {
   name: string;
@@ -42,8 +44,8 @@ function spots({ name, x, y }: Named): [Label, Box][] {
   return [
     beside(AWAY_PX, 0, "start"),
     beside(-AWAY_PX, 0, "end"),
-    beside(0, -AWAY_PX - 5, "middle"),
-    beside(0, AWAY_PX + 5, "middle"),
+    beside(0, -AWAY_PX - 4, "middle"),
+    beside(0, AWAY_PX + 4, "middle"),
   ];
 }
 
@@ -52,12 +54,12 @@ function spots({ name, x, y }: Named): [Label, Box][] {
  * are the marks; each name may lie over its own.
  */
 export function placed(names: Named[], taken: Box[]): Label[] {
-  const cells = new Map<string, Box[]>();
-  const cellsOf = ({ x, y, width, height }: Box): string[] => {
-    const keys: string[] = [];
+  const cells = new Map<number, Box[]>();
+  const cellsOf = ({ x, y, width, height }: Box): number[] => {
+    const keys: number[] = [];
     for (let column = Math.floor(x / 64); column <= Math.floor((x + width) / 64); column++)
       for (let row = Math.floor(y / 64); row <= Math.floor((y + height) / 64); row++)
-        keys.push(`${column} ${row}`);
+        keys.push(column * ROWS + row);
     return keys;
   };
   const add = (box: Box) => {

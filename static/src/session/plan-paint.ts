@@ -17,10 +17,12 @@ import { type Box, placed } from "./plan-labels";
 const FADE_SCANS = 12;
 const MOST_FADING = 60;
 const DOT_PX = 3.5;
-const LONGEST_ARROW_PX = 60;
+const LONGEST_ARROW_PX = 45;
+const LEAST_ARROW_PX = 6;
 const LEAST_ELLIPSE_PX = 7;
 const SIGMAS = 2;
-const THIN_PX = 1.5;
+const THIN_PX = 3;
+const SPOT_M = 500;
 const RING_PX = 7;
 
 type Point = [number, number];
@@ -85,7 +87,13 @@ export function extentOf(plan: LivePlan): Extent | undefined {
     extent.yMin = Math.min(extent.yMin, y);
     extent.yMax = Math.max(extent.yMax, y);
   }
-  return extent;
+  const isSpot = extent.xMax - extent.xMin < 1 && extent.yMax - extent.yMin < 1;
+  return isSpot ? around(extent.xMin, extent.yMin) : extent;
+}
+
+/** Of directions alone nobody knows how far away they are. */
+function around(x: number, y: number): Extent {
+  return { xMin: x - SPOT_M, xMax: x + SPOT_M, yMin: y - SPOT_M, yMax: y + SPOT_M };
 }
 
 function paintGrid({ pen, camera, size, palette, place }: Sheet): void {
@@ -119,7 +127,7 @@ function paintGrid({ pen, camera, size, palette, place }: Sheet): void {
   pen.text(isFar ? "km" : "m", 4, 9, label);
 }
 
-function paintSensors({ pen, sensors, palette, place }: Sheet): void {
+function paintSensors({ pen, sensors, palette, place, size }: Sheet): void {
   for (const { sensor_id, x_m, y_m, max_range_m } of sensors) {
     if (x_m === undefined || y_m === undefined) continue;
     const [x, y] = place(x_m, y_m);
@@ -138,7 +146,9 @@ function paintSensors({ pen, sensors, palette, place }: Sheet): void {
       ],
       look,
     );
-    pen.text(sensor_id, x + 9, y + 10, { color: palette.muted });
+    const isAtEdge = x > size.width - 90;
+    const anchor = isAtEdge ? "end" : "start";
+    pen.text(sensor_id, x + (isAtEdge ? -9 : 9), y + 10, { color: palette.muted, anchor });
     if (!max_range_m) continue;
     const ring = circle(x_m, y_m, max_range_m).map(([east, north]) => place(east, north));
     pen.line(ring, { color: palette.muted, dashes: [2, 3], opacity: 0.6 });
@@ -196,14 +206,17 @@ function paintWays(sheet: Sheet): void {
   const { pen, moment, selected, palette } = sheet;
   for (const track of moment?.tracks ?? []) {
     const width = track.id === selected ? 2.6 : track.status === "tentative" ? 1 : 1.5;
-    pen.line(wayPoints(sheet, track.id), { color: colorOf(sheet, track), width, opacity: 0.8 });
+    // A colour of its own is drawn faster than one that lets others through.
+    const color = mixed(colorOf(sheet, track), palette.surface, 0.8);
+    pen.line(wayPoints(sheet, track.id), { color, width });
   }
   if (!selected || moment?.tracks.some((track) => track.id === selected)) return;
   // One that has ended has no place any more.
   const points = wayPoints(sheet, selected);
-  const [x, y] = points.at(-1) ?? [NaN, NaN];
+  const end = points.at(-1);
+  if (!end) return;
   pen.line(points, { color: palette.muted, width: 2.6 });
-  pen.shape("M-5 -5L5 5M5 -5L-5 5", x, y, { stroke: palette.muted });
+  pen.shape("M-5 -5L5 5M5 -5L-5 5", ...end, { stroke: palette.muted });
 }
 
 /** How many seconds the arrows show: a round number, so that the longest is not too long. */
@@ -217,21 +230,31 @@ export function arrowSeconds({ moment }: LivePlan, pixels: number): number | und
   return next > most ? niceStep(most / 2.5, 1) : next;
 }
 
-function paintArrow(
-  { pen, pixels, palette }: Sheet,
-  track: Belief,
-  [x, y]: Point,
-  seconds: number,
-) {
+/** Where the arrow of a track ends on the screen; none where it would not be seen. */
+function arrowTip({ pixels }: Sheet, track: Belief, [x, y]: Point, seconds: number | undefined) {
+  if (!seconds || track.status === "tentative") return undefined;
   const [dx, dy] = [track.vx * seconds * pixels, -track.vy * seconds * pixels];
+  return Math.hypot(dx, dy) < LEAST_ARROW_PX ? undefined : ([x + dx, y + dy] as Point);
+}
+
+function paintArrow({ pen, palette }: Sheet, [x, y]: Point, tip: Point): void {
+  const [dx, dy] = [tip[0] - x, tip[1] - y];
   const length = Math.hypot(dx, dy);
-  if (length < 6) return;
-  const tip: Point = [x + dx, y + dy];
   const [ux, uy] = [dx / length, dy / length];
   const side = (by: number): Point => [tip[0] - 5 * ux - by * uy, tip[1] - 5 * uy + by * ux];
   const look = { color: palette.text, width: 1.2 };
   pen.line([[x, y], tip], look);
   pen.line([side(2.5), tip, side(-2.5)], look);
+}
+
+/** What an arrow covers, for names that keep off it. */
+function arrowBoxes([x, y]: Point, tip: Point): Box[] {
+  const steps = Math.ceil(Math.hypot(tip[0] - x, tip[1] - y) / 6);
+  return Array.from({ length: steps }, (_, step): Box => {
+    const share = (step + 1) / steps;
+    const [at, down] = [x + (tip[0] - x) * share, y + (tip[1] - y) * share];
+    return { x: at - 2, y: down - 2, width: 4, height: 4 };
+  });
 }
 
 /** How sure it is that there is a target: so much of a ring. */
@@ -295,17 +318,27 @@ function paintTracks(sheet: Sheet): void {
       pen.line(ray(from, track.bearing, size.width + size.height), { color, width: 1.5 });
     }
     paintEllipse(sheet, track, color);
-    if (seconds && !isTentative) paintArrow(sheet, track, head, seconds);
+    const tip = arrowTip(sheet, track, head, seconds);
+    if (tip) paintArrow(sheet, head, tip);
     if (track.existence !== undefined) paintExistence(pen, head, track.existence, color);
     pen.circle(...head, isTentative ? 2.5 : 4, palette.surface);
     pen.circle(...head, isTentative ? 2.5 : 4, color, track.status !== "confirmed");
     if (track.id === selected) pen.circle(...head, 10, palette.selected, true);
   }
-  paintNames(sheet, heads);
+  paintNames(sheet, heads, seconds);
 }
 
-function paintNames(sheet: Sheet, heads: { track: Belief; head: Point }[]): void {
-  const marks = heads.map(({ head: [x, y] }): Box => ({ x: x - 4, y: y - 4, width: 8, height: 8 }));
+function paintNames(
+  sheet: Sheet,
+  heads: { track: Belief; head: Point }[],
+  seconds: number | undefined,
+): void {
+  const marks = heads.flatMap(({ track, head }): Box[] => {
+    const tip = arrowTip(sheet, track, head, seconds);
+    const [x, y] = head;
+    const mark = { x: x - 4, y: y - 4, width: 8, height: 8 };
+    return tip ? [mark, ...arrowBoxes(head, tip)] : [mark];
+  });
   const names = heads.map(({ track, head: [x, y] }) => ({ name: track.id, x, y }));
   const tracks = new Map(heads.map(({ track }) => [track.id, track]));
   for (const { name, x, y, anchor } of placed(names, marks)) {
@@ -343,12 +376,12 @@ export function livePainting(plan: LivePlan): Painting {
       pen.rect(0, 0, size.width, size.height, palette.surface);
       pen.within([0, 0, size.width, size.height], () => {
         paintGrid(sheet);
+        paintScale(pen, size, pixels, palette);
         paintSensors(sheet);
         paintDetections(sheet);
         paintWays(sheet);
         paintTracks(sheet);
         paintRuler(sheet);
-        paintScale(pen, size, pixels, palette);
       });
     },
   };

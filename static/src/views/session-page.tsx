@@ -5,7 +5,6 @@ import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { asProblem, Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
 import { Code } from "../components/code";
-import { Facts } from "../components/facts";
 import { count, moment } from "../format";
 import { closeSession, type Session } from "../session/api";
 import { Confirm } from "../session/confirm";
@@ -189,17 +188,12 @@ function Warnings({ warnings }: { warnings: string[] }): JSX.Element | null {
 }
 
 function NoScan({ session }: { session: Session }): JSX.Element {
-  const sensors = (session.request.sensors ?? []) as { sensor_id: string }[];
   return (
-    <>
+    <div class="live-counts">
       <Empty title="No scan yet.">
         <p>The picture appears with the first scan that is pushed, for example:</p>
         <Code text={pushExample(session)} />
       </Empty>
-      <Facts
-        title="Settings"
-        rows={[["Sensors", sensors.map((each) => each.sensor_id).join(", ")]]}
-      />
-    </>
+    </div>
   );
 }

@@ -98,7 +98,7 @@ function Row({ session }: { session: Session }): JSX.Element {
         <Link href={pageHref({ view: "session", session: session.id })}>
           {session.name || <span class="mono">{session.id}</span>}
         </Link>
-        {session.name ? <span class="mono muted id">{session.id.slice(-12)}</span> : null}
+        {session.name ? <span class="sub mono">{session.id.slice(-12)}</span> : null}
       </td>
       <td>
         <SessionBadge state={session.state} />

@@ -26,16 +26,17 @@ pub(super) fn is_scan(line: &[u8]) -> bool {
 /// # Errors
 /// All faults of it.
 pub(super) fn read_scan(line: &[u8], number: u64) -> Result<Ready, Vec<Fault>> {
-    let placed = |fault: Fault| Fault {
-        line: Some(number),
-        ..fault
-    };
-    let malformed =
-        |error: serde_json::Error| vec![placed(Fault::new("", "malformed", error.to_string()))];
-    let value: Value = serde_json::from_slice(line).map_err(malformed)?;
-    let scan = checked_scan(&value)
-        .map_err(|faults| faults.into_iter().map(placed).collect::<Vec<_>>())?;
+    let value: Value = serde_json::from_slice(line)
+        .map_err(|error| placed(vec![Fault::new("", "malformed", error.to_string())], number))?;
+    let scan = checked_scan(&value).map_err(|faults| placed(faults, number))?;
     Ok(Ready { scan, unit: number })
+}
+
+fn placed(mut faults: Vec<Fault>, line: u64) -> Vec<Fault> {
+    for fault in &mut faults {
+        fault.line = Some(line);
+    }
+    faults
 }
 
 #[cfg(test)]
