@@ -84,17 +84,25 @@ pub(super) fn is_scan(line: &[u8]) -> bool {
 /// # Errors
 /// All faults of it.
 pub(super) fn read_scan(line: &[u8], number: u64) -> Result<Ready, Vec<Fault>> {
-    let placed = |fault: Fault| Fault {
-        line: Some(number),
-        ..fault
+    let malformed = |error: serde_json::Error| {
+        let fault = Fault::new("", "malformed", error.to_string());
+        vec![in_line(fault, number)]
     };
-    let malformed =
-        |error: serde_json::Error| vec![placed(Fault::new("", "malformed", error.to_string()))];
     let value: Value = serde_json::from_slice(line).map_err(malformed)?;
-    let checked = registry::check(&value, &PUSHED_SCAN)
-        .map_err(|faults| faults.into_iter().map(placed).collect::<Vec<_>>())?;
+    let checked = registry::check(&value, &PUSHED_SCAN);
+    let checked = checked.map_err(|faults| {
+        let placed = faults.into_iter().map(|fault| in_line(fault, number));
+        placed.collect::<Vec<_>>()
+    })?;
     let scan = PushedScan::deserialize(checked).map_err(malformed)?;
     Ok(Ready { scan, unit: number })
+}
+
+fn in_line(fault: Fault, number: u64) -> Fault {
+    Fault {
+        line: Some(number),
+        ..fault
+    }
 }
 
 #[cfg(test)]
