@@ -11,6 +11,9 @@ const MOST_KEPT: usize = 100_000;
 /// How long the reports of a turn, or of a scan that the stream numbers, may be apart (s).
 const SPARSE_S: f64 = 15.0;
 
+/// How long the reports of one time may be apart by the clock (s).
+const TOGETHER_S: f64 = 0.25;
+
 /// A scan that is whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GatheredScan {
@@ -92,7 +95,7 @@ impl Gatherer {
         let (end_s, pause_s) = match scan.kind {
             ScanKind::Frame => ((scan.number + 1) as f64 * self.frame_s, self.frame_s),
             ScanKind::Turn | ScanKind::Numbered => (last_s, SPARSE_S),
-            ScanKind::Instant => (last_s, 0.0),
+            ScanKind::Instant => (last_s, TOGETHER_S),
         };
         let is_passed = self
             .latest
@@ -214,9 +217,10 @@ mod tests {
         let instant = |number| (ScanKind::Instant, number);
         gatherer.take(report(instant(1), 2.0, None), 0.0);
         gatherer.take(report(instant(1), 2.0, None), 0.0);
-        gatherer.take(report(instant(2), 4.0, None), -1.0);
-        assert_eq!(told(&gatherer.whole(-1.0)), [(2.0, 2)]);
-        assert_eq!(told(&gatherer.end()), [(4.0, 1)]);
+        gatherer.take(report(instant(2), 4.0, None), 0.0);
+        assert_eq!(told(&gatherer.whole(0.0)), [(2.0, 2)]);
+        assert_eq!(told(&gatherer.whole(0.2)), []);
+        assert_eq!(told(&gatherer.whole(0.3)), [(4.0, 1)]);
     }
 
     #[test]

@@ -13,8 +13,9 @@ use std::time::{Duration, Instant};
 /// Between attempts: at first, and at most.
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
 const LONGEST_PAUSE: Duration = Duration::from_secs(2);
-/// A service that does not answer for so long is away.
-const ANSWER: Duration = Duration::from_secs(30);
+/// A service that does not take a connection, or does not answer, for so long is away. Many scans of many tracks take their time.
+const CONNECT: Duration = Duration::from_secs(5);
+const ANSWER: Duration = Duration::from_secs(300);
 
 pub(super) struct Client {
     http: reqwest::Client,
@@ -106,7 +107,9 @@ impl SessionSeen {
 
 impl Client {
     pub fn new(server: &str, patience: Duration) -> anyhow::Result<Self> {
-        let http = reqwest::Client::builder().timeout(ANSWER).build()?;
+        Client::check(server)?;
+        let http = reqwest::Client::builder();
+        let http = http.connect_timeout(CONNECT).timeout(ANSWER).build()?;
         Ok(Client {
             http,
             server: server.trim_end_matches('/').to_owned(),
@@ -120,6 +123,7 @@ impl Client {
     /// There is none, or several have the name.
     pub async fn find(&self, named: &str) -> anyhow::Result<SessionSeen> {
         if named.starts_with("http://") || named.starts_with("https://") {
+            Client::check(named)?;
             return self.get(named.trim_end_matches('/').to_owned()).await;
         }
         if uuid::Uuid::parse_str(named).is_ok() {
@@ -197,6 +201,15 @@ impl Client {
             return Ok(Reply::Refused(problem.errors));
         }
         bail!("the session refuses: {}", problem.told(status))
+    }
+
+    /// # Errors
+    /// A URL that this program cannot ask.
+    fn check(url: &str) -> anyhow::Result<()> {
+        if url.starts_with("https://") && !cfg!(feature = "s3") {
+            bail!("{url}: https needs a program with the feature s3, or a proxy that ends TLS");
+        }
+        Ok(())
     }
 
     /// The answer. What says that the service cannot answer now is asked again for as long as one waits.

@@ -8,8 +8,18 @@ pub(super) struct Stop {
     is_asked: bool,
 }
 
+/// As a shell tells of a program that was ended by Ctrl-C.
+const INTERRUPTED: i32 = 130;
+
 impl Stop {
+    /// The second Ctrl-C ends the process at once.
     pub fn on_signals() -> anyhow::Result<Self> {
+        let mut again = signal(SignalKind::interrupt())?;
+        tokio::spawn(async move {
+            again.recv().await;
+            again.recv().await;
+            std::process::exit(INTERRUPTED);
+        });
         Ok(Stop {
             interrupt: signal(SignalKind::interrupt())?,
             terminate: signal(SignalKind::terminate())?,
