@@ -336,6 +336,12 @@ impl Recording {
         }
     }
 
+    /// Says other things of the same sensors; gives what was said.
+    pub fn replace_sensors(&mut self, sensors: Vec<SensorSettings>) -> Vec<SensorSettings> {
+        debug_assert_eq!(sensors.len(), self.sensors.len());
+        std::mem::replace(&mut self.0.sensors, sensors)
+    }
+
     pub fn set_time_base(&mut self, base: TimeBase) {
         self.0.time_base = base;
     }
