@@ -42,6 +42,9 @@ ITEMS = [
     {"requirement": "along", "name": "along", "max_m": 250, "at_least": 0.9},
     {"requirement": "across", "name": "across", "max_m": 250, "at_least": 0.9},
     {"requirement": "latency", "name": "latency", "max_s": 1.0, "at_least": 0.9},
+    {"requirement": "radar_range", "name": "range", "x_m": -20000, "y_m": 500000, "max_m": 350, "at_least": 0.9},
+    {"requirement": "radar_azimuth", "name": "azimuth", "x_m": -20000, "y_m": 500000, "max_deg": 0.3, "at_least": 0.9},
+    {"requirement": "position_within", "name": "near_accurate", "distance_m": WITHIN_M, "reference_accuracy_m": 30, "at_least": 0.9},
     {"requirement": "identity_correct", "name": "any_correct", "rule": "any", "at_least": 0.9},
     {"requirement": "identity_correct", "name": "all_correct", "rule": "all", "at_least": 0.9},
     {"requirement": "identity_false", "name": "any_false", "rule": "any", "at_most": 0.01},
@@ -56,7 +59,9 @@ ITEMS = [
     {"requirement": "course", "name": "course", "max_difference_deg": 15, "at_least": 0.9},
     {"requirement": "extra_data", "name": "extra_data", "at_most": 0.03},
     {"requirement": "extra_track", "name": "extra_track", "at_most": 0.0},
+    {"requirement": "false_updates", "name": "false_updates", "at_most": 0.0},
     {"requirement": "false_tracks", "name": "false_tracks", "at_most": 0.0},
+    {"requirement": "dubious_tracks", "name": "dubious_tracks", "at_most": 0.0},
     {"requirement": "continuity", "name": "continuity", "at_most": 0.0},
     {"requirement": "longest_track", "name": "longest", "at_least": 0.9},
     {"requirement": "initiation_delay", "name": "delay", "max_delay_s": 10, "at_least": 0.9},
@@ -67,6 +72,11 @@ SECTORS = [
         {"x_m": -1e7, "y_m": -1e7}, {"x_m": EDGE_M, "y_m": -1e7}, {"x_m": EDGE_M, "y_m": 1e7}, {"x_m": -1e7, "y_m": 1e7}]}]},
     {"sector_id": "low", "height_max_m": 5000.0},
 ]
+
+
+RADAR_M = (-20000.0, 500000.0)
+# Requirements that name a place in the plane.
+OF_PLANE = ("range", "azimuth")
 
 
 def main(trackloom, seeds):
@@ -95,7 +105,15 @@ class Flight:
         self.truth = path(number, rng)
         # A code that changes is no fault.
         self.change_s = 200.0 if self.is_named and number % 7 == 3 else None
+        # From 300 to 340 s some flights say that they are known within 100 m only.
+        self.is_vague = number % 6 == 1
         self.updates = []
+
+    def accuracy(self, time_s):
+        return 100 if self.is_vague and 300 <= time_s <= 340 else ""
+
+    def is_inaccurate(self, beside):
+        return any(self.accuracy(self.truth[i][0]) for i in beside)
 
     def code(self, name, time_s):
         if name == "mode_a" and self.change_s is not None and time_s > self.change_s:
@@ -160,6 +178,11 @@ def recording(seed):
         nobody += [{"track": f"N{number}", "time": 50.0 + 5 * k, "x": x + 500 * k, "y": y, "vx": 100.0, "vy": 0.0,
                     "height": 4000.0, "address": "", "callsign": "", "mode_a": "", "mode_c_ft": ""} for k in range(20)]
         plant.of["false_tracks"].append(("", f"N{number}", 50.0))
+        plant.of["false_updates"] += [("", f"N{number}", 50.0 + 5 * k) for k in range(20)]
+    rows = nobody + [row for flight in flights for row in flight.updates]
+    for track, share in dubious(rows).items():
+        if share > 0.05:
+            plant.of["dubious_tracks"].append(("", track, min(row["time"] for row in rows if row["track"] == track)))
     return flights, nobody, plant.of
 
 
@@ -170,6 +193,29 @@ def update(flight, track, time_s, rng):
     for name in CODES:
         row[name] = flight.code(name, time_s) or ""
     return row
+
+
+def dubious(rows, sizes=None):
+    """The share of dubious updates of each track: without any code, with a motion that nothing has, or all of a short one that is
+    whole; `sizes` has the updates of whole tracks where `rows` are those of a sector."""
+    tracks, shares = defaultdict(list), {}
+    for row in sorted(rows, key=lambda row: row["time"]):
+        tracks[row["track"]].append(row)
+    for track, of_track in tracks.items():
+        is_short = len(of_track) < 10 or of_track[-1]["time"] - of_track[0]["time"] < 30
+        is_short = is_short and (sizes is None or sizes[track] == len(of_track))
+        count = 0
+        for before, row in zip([None, *of_track], of_track):
+            speed, is_odd = math.hypot(row["vx"], row["vy"]), is_short or not any(row[name] for name in CODES)
+            after = row["time"] - before["time"] if before else 0
+            is_odd |= speed > 685.75
+            if 1 <= after <= 30:
+                turned = (math.atan2(row["vx"], row["vy"]) - math.atan2(before["vx"], before["vy"]) + math.pi) % math.tau - math.pi
+                is_odd |= abs(speed - math.hypot(before["vx"], before["vy"])) / after > 29.43
+                is_odd |= abs(math.degrees(turned)) / after > 30 or abs(row["height"] - before["height"]) / after > 304.8
+            count += is_odd
+        shares[track] = count / len(of_track)
+    return shares
 
 
 def clipped(rng, sigma):
@@ -225,6 +271,13 @@ class Plant:
             row["x"], row["y"] = truth[1] + distance * math.sin(angle), truth[2] + distance * math.cos(angle)
             key = (flight.name, row["track"], row["time"])
             self.of["near"].append(key)
+            seen, true = (math.atan2(a - RADAR_M[0], b - RADAR_M[1]) for a, b in ((row["x"], row["y"]), truth[1:3]))
+            if not flight.is_inaccurate(between(flight, row["time"])[1]):
+                self.of["near_accurate"].append(key)
+            if abs(math.dist((row["x"], row["y"]), RADAR_M) - math.dist(truth[1:3], RADAR_M)) > 350:
+                self.of["range"].append(key)
+            if abs(math.degrees(seen - true)) > 0.3:
+                self.of["azimuth"].append(key)
             if distance >= BEYOND_M:
                 self.of["far"].append(key)
             heading, speed = math.atan2(truth[3], truth[4]), math.hypot(*truth[3:5])
@@ -339,10 +392,10 @@ def write(folder, flights, nobody, is_on_earth):
 
     with open(folder / "truth.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["time_s", "truth_id", *places, "height_m", *names])
+        writer.writerow(["time_s", "truth_id", *places, "height_m", *names, "position_accuracy_m"])
         for flight in flights:
             for time_s, *place, height in flight.truth:
-                codes = [*(flight.code(name, time_s) or "" for name in CODES), feet(height) if flight.is_named else ""]
+                codes = [*(flight.code(name, time_s) or "" for name in CODES), feet(height) if flight.is_named else "", flight.accuracy(time_s)]
                 writer.writerow(row_of(time_s, flight.name, place, height, codes))
     with open(folder / "tracks.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -354,9 +407,13 @@ def write(folder, flights, nobody, is_on_earth):
     sectors = [one for one in SECTORS if not (is_on_earth and "areas" in one)]
     job = {"kind": "evaluate", "truth": {"source": "file", "path": "truth.csv"}, "tracks": {"source": "file", "path": "tracks.csv"},
            "metrics": [{"metric": "clear"}], "comparison": {"gate_m": 1000.0},
-           "requirements": {"sectors": sectors, "items": ITEMS, "gate_m": 1000.0}}
+           "requirements": {"sectors": sectors, "items": items_of(is_on_earth), "gate_m": 1000.0}}
     (folder / "job.json").write_text(json.dumps(job))
     return [one["sector_id"] for one in sectors]
+
+
+def items_of(is_on_earth):
+    return [item for item in ITEMS if not (is_on_earth and item["name"] in OF_PLANE)]
 
 
 def on_earth(x, y, vx, vy):
@@ -464,6 +521,16 @@ def right(item, case, row, point, beside):
     dx, dy = row["x"] - point[1], row["y"] - point[2]
     heading, speed = math.atan2(point[3], point[4]), math.hypot(point[3], point[4])
     along, across = dx * math.sin(heading) + dy * math.cos(heading), dx * math.cos(heading) - dy * math.sin(heading)
+    if kind in ("radar_range", "radar_azimuth"):
+        places = (row["x"], row["y"]), tuple(point[1:3])
+        if kind == "radar_range":
+            seen, true = (math.dist(place, RADAR_M) for place in places)
+            return abs(seen - true) <= item["max_m"], seen - true
+        seen, true = (math.degrees(math.atan2(place[0] - RADAR_M[0], place[1] - RADAR_M[1])) for place in places)
+        error = (seen - true + 180) % 360 - 180
+        return abs(error) <= item["max_deg"], error
+    if "reference_accuracy_m" in item and flight.is_inaccurate(beside):
+        return None, None
     if kind.startswith("position"):
         distance = math.hypot(dx, dy)
         return {"position_within": distance <= item.get("distance_m", 0), "position_beyond": distance >= item.get("distance_m", 0)}.get(kind, True), distance
@@ -538,12 +605,24 @@ def counts(item, cases, nobody, sector):
             if case.periods:
                 first = next((row["time"] for row, _, _ in case.judged if row["time"] >= case.periods[0][0]), math.inf)
                 top, under = top + (first - case.periods[0][0] <= item["max_delay_s"]), under + 1
-        elif kind != "false_tracks":
+        elif kind == "false_updates":
+            under += sum(is_seen for _, _, is_seen in case.all)
+        elif kind not in ("false_tracks", "dubious_tracks"):
             for row, point, beside in case.judged:
                 is_right, error = right(item, case, row, point, beside)
                 if is_right is not None:
                     top, under = top + is_right, under + 1
                     errors.append(error)
+    if kind in ("false_updates", "dubious_tracks"):
+        seen = [row for row in nobody if Case.holds(sector, (0, row["x"], row["y"], 0, 0, row["height"]))]
+    if kind == "false_updates":
+        top, under = len(seen), under + len(seen)
+    if kind == "dubious_tracks":
+        everybody = nobody + [row for case in cases for row, _, _ in case.all]
+        inside = seen + [row for case in cases for row, _, is_seen in case.all if is_seen]
+        sizes = Counter(row["track"] for row in everybody)
+        shares = dubious(inside, sizes)
+        top, under = sum(share > 0.05 for share in shares.values()), len(shares)
     if kind == "false_tracks":
         holds = [row["track"] for row in nobody if Case.holds(sector, (0, row["x"], row["y"], 0, 0, row["height"]))]
         top = len(set(holds))
@@ -572,13 +651,13 @@ def judged(trackloom, seed, folder, is_on_earth):
     with open(folder / "out" / "requirement_events.csv", newline="", encoding="utf-8") as file:
         events = [row for row in csv.DictReader(file) if row["sector_id"] == "all"]
     precision = 0.02 if is_on_earth else 1e-6
-    return [*wrong_events(planted, events), *wrong_numbers(report["findings"], (flights, nobody), sectors, precision)]
+    return [*wrong_events(planted, events, items_of(is_on_earth)), *wrong_numbers(report["findings"], (flights, nobody), sectors, items_of(is_on_earth), precision)]
 
 
-def wrong_events(planted, events):
+def wrong_events(planted, events, items):
     """Planted faults that were not found, and what was found and not planted; slots and phases are held by their counts alone."""
     told = []
-    for item in ITEMS:
+    for item in items:
         name = item["name"]
         if name == "slots" or "phase" in item:
             continue
@@ -590,15 +669,15 @@ def wrong_events(planted, events):
     return told
 
 
-def wrong_numbers(findings, scene, sectors, precision):
+def wrong_numbers(findings, scene, sectors, items, precision):
     told, by_name = [], {(one["sector_id"], one["requirement"]): one for one in findings}
-    if len(by_name) != len(sectors) * len(ITEMS):
+    if len(by_name) != len(sectors) * len(items):
         told.append(f"{len(by_name)} findings")
     flights, nobody = scene
     for sector in sectors:
         for phase in (None, "steady", "turning", "climbing"):
             cases = [Case(flight, sector, phase) for flight in flights]
-            for item in (one for one in ITEMS if one.get("phase") == phase):
+            for item in (one for one in items if one.get("phase") == phase):
                 told += compared(by_name[sector, item["name"]], item, counts(item, cases, nobody, sector), precision)
     return told
 

@@ -57,6 +57,32 @@ pub struct LeftOut {
 }
 
 impl Area {
+    /// How large it is; `None` of what a sensor covers.
+    pub fn size_m2(&self) -> Option<f64> {
+        match self {
+            Area::Polygon(corners) => {
+                let mut before = corners[corners.len() - 1];
+                let mut twice_m2 = 0.0;
+                for &corner in corners {
+                    twice_m2 += before.x * corner.y - corner.x * before.y;
+                    before = corner;
+                }
+                Some(0.5 * twice_m2.abs())
+            }
+            Area::Sector {
+                range_m: (from_m, to_m),
+                bearings_rad,
+                ..
+            } => {
+                let full_rad = std::f64::consts::TAU;
+                let width_rad =
+                    bearings_rad.map_or(full_rad, |(from, to)| (to - from).rem_euclid(full_rad));
+                Some(0.5 * width_rad * (to_m * to_m - from_m * from_m))
+            }
+            Area::Coverage { .. } => None,
+        }
+    }
+
     pub fn holds(&self, place: &Position) -> bool {
         match self {
             Area::Polygon(corners) => is_inside(corners, place),

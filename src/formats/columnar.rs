@@ -1,7 +1,11 @@
 //! Parquet, and Arrow IPC as a file (Feather 2) or a stream: a table whose columns have types. Cells become text, and mean what
 //! they mean in CSV. Files of trackloom's own (see [`super::out`]) read as the dataset that they were written from.
 
+mod budget;
 mod cells;
+mod messages;
+mod pages;
+mod thrift;
 
 use super::out::columnar::{METADATA_KEY, Metadata};
 use super::table::{self, FaultLog, Rows, pointer_token};
@@ -10,6 +14,7 @@ use crate::model::fault::Fault;
 use arrow_array::RecordBatch;
 use arrow_ipc::reader::{StreamDecoder, read_footer_length};
 use arrow_schema::{ArrowError, DataType, Schema};
+use budget::{Budget, most_rows};
 use bytes::Bytes;
 use cells::Cells;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -37,20 +42,17 @@ pub const ARROW: Format = Format {
 /// Of a file; a stream begins with its first message.
 const ARROW_MAGIC: &[u8] = b"ARROW1\0\0";
 
-const BATCH_ROWS: usize = 8192;
-/// No table has more rows a byte than this: a file that says so wants to be read for ever.
-const MAX_ROWS_PER_BYTE: u64 = 1000;
-
 fn read_parquet(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
     let bytes = Bytes::from(whole(input)?);
     let size = bytes.len() as u64;
     guarded(|| {
-        let builder = ParquetRecordBatchReaderBuilder::try_new(bytes).map_err(damaged)?;
+        let builder = ParquetRecordBatchReaderBuilder::try_new(bytes.clone()).map_err(damaged)?;
         let rows = builder.metadata().file_metadata().num_rows();
         check_rows(u64::try_from(rows).unwrap_or(u64::MAX), size)?;
         let schema = builder.schema().clone();
+        let batch_rows = pages::check(&bytes, builder.metadata())?;
         let batches = builder
-            .with_batch_size(BATCH_ROWS)
+            .with_batch_size(batch_rows)
             .build()
             .map_err(damaged)?;
         read_batches(&schema, Box::new(batches), size, options)
@@ -62,6 +64,7 @@ fn read_arrow(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutc
     let size = bytes.len() as u64;
     guarded(|| {
         let mut stream = Stream::open(bytes)?;
+        messages::check(&stream.rest, size)?;
         let first = stream.next_batch().map_err(damaged)?;
         let schema = stream.decoder.schema().ok_or_else(|| {
             vec![Fault::new(
@@ -161,16 +164,14 @@ fn damaged(error: impl std::fmt::Display) -> Vec<Fault> {
     if error.contains("Disabled feature") || error.contains("decompression requires") {
         let detail = format!("the file is compressed in a way that is not read: {error}");
         let fault = Fault::new("/file", "unsupported", detail);
-        return vec![
-            fault.allowing("Parquet with snappy, Zstandard or uncompressed, Arrow uncompressed"),
-        ];
+        return vec![fault.allowing("Parquet with snappy, gzip, Zstandard, LZ4 or uncompressed")];
     }
     let detail = format!("the file is damaged or cut off: {error}");
     vec![Fault::new("/file", "malformed", detail)]
 }
 
 fn check_rows(rows: u64, bytes: u64) -> Result<(), Vec<Fault>> {
-    let most = bytes.saturating_mul(MAX_ROWS_PER_BYTE);
+    let most = most_rows(bytes);
     if rows <= most {
         return Ok(());
     }
@@ -257,6 +258,8 @@ struct BatchRows {
     /// The row after the current one, in its batch.
     next: usize,
     most_rows: u64,
+    /// Of the texts of all cells.
+    budget: Budget,
 }
 
 impl BatchRows {
@@ -293,7 +296,8 @@ impl BatchRows {
             in_batch: 0,
             before: 0,
             next: 0,
-            most_rows: bytes.saturating_mul(MAX_ROWS_PER_BYTE),
+            most_rows: most_rows(bytes),
+            budget: Budget::of_file(bytes),
         }
     }
 
@@ -344,7 +348,14 @@ impl Rows for BatchRows {
             cells.push(self.next, text);
         }
         self.next += 1;
-        true
+        let letters: usize = self.texts.iter().map(String::len).sum();
+        match self.budget.take(letters as u64) {
+            Ok(()) => true,
+            Err(fault) => {
+                faults.push(fault);
+                false
+            }
+        }
     }
 
     fn cell(&self, column: usize) -> &str {

@@ -12,8 +12,8 @@ use std::rc::Rc;
 const GZIP: &[u8] = b"\x1f\x8b";
 const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 /// Bytes that any file may unpack to, and how many times its own size beyond.
-const FREE_BYTES: u64 = 64 << 20;
-const MOST_TIMES: u64 = 200;
+pub(super) const FREE_BYTES: u64 = 64 << 20;
+pub(super) const MOST_TIMES: u64 = 200;
 const BUFFER_BYTES: usize = 1 << 16;
 
 /// The unpacked text or bytes of a file.

@@ -8,6 +8,7 @@ pub const ATTRIBUTES: &[&str] = &[
     "callsign",
     "mode_a",
     "mode_c_ft",
+    "position_accuracy_m",
     "mmsi",
     "ship_name",
     "ship_type",

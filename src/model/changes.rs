@@ -4,7 +4,13 @@ use super::attributes::Attributes;
 use std::collections::BTreeMap;
 
 /// Attributes whose every word is kept, not the last one alone.
-pub const CHANGING: [&str; 4] = ["address", "callsign", "mode_a", "mode_c_ft"];
+pub const CHANGING: [&str; 5] = [
+    "address",
+    "callsign",
+    "mode_a",
+    "mode_c_ft",
+    "position_accuracy_m",
+];
 
 /// What attributes of objects were at each time; only those that are not the same at all points.
 #[derive(Debug, Clone, Default, PartialEq)]

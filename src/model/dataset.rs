@@ -177,9 +177,17 @@ impl Dataset {
 
     /// Adds what is known of the sensors of detections besides; it goes before what they say themselves.
     pub fn describe_sensors(&mut self, known: &[SensorSettings]) {
-        if let Dataset::Detections(recording) = self {
-            recording.describe_sensors(known);
+        let Dataset::Detections(recording) = self else {
+            return;
+        };
+        let mut sensors = recording.sensors.clone();
+        for sensor in &mut sensors {
+            let same = |known: &&SensorSettings| known.sensor_id == sensor.sensor_id;
+            if let Some(known) = known.iter().find(same) {
+                *sensor = sensor.overridden_by(known);
+            }
         }
+        recording.replace_sensors(sensors);
     }
 
     pub fn set_time_base(&mut self, base: TimeBase) {

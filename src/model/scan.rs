@@ -326,14 +326,10 @@ impl Recording {
         self.0.frame = Some(frame);
     }
 
-    /// Adds what is known of the sensors besides; it goes before what they say themselves.
-    pub fn describe_sensors(&mut self, known: &[SensorSettings]) {
-        for sensor in &mut self.0.sensors {
-            let same = |known: &&SensorSettings| known.sensor_id == sensor.sensor_id;
-            if let Some(known) = known.iter().find(same) {
-                *sensor = sensor.overridden_by(known);
-            }
-        }
+    /// Says other things of the same sensors; gives what was said.
+    pub fn replace_sensors(&mut self, sensors: Vec<SensorSettings>) -> Vec<SensorSettings> {
+        debug_assert_eq!(sensors.len(), self.sensors.len());
+        std::mem::replace(&mut self.0.sensors, sensors)
     }
 
     pub fn set_time_base(&mut self, base: TimeBase) {

@@ -22,7 +22,6 @@ use super::origin::{
 };
 use super::{BuildMetric, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{ComparedStep, Comparison};
-use crate::model::space::Space;
 use crate::registry::{Method, Object, default, number};
 use serde::Deserialize;
 use serde_json::json;
@@ -87,16 +86,8 @@ struct Memory {
 }
 
 impl Metric for Gospa {
-    fn accepts(&self, space: Option<Space>) -> bool {
-        space.is_some()
-    }
-
-    fn reach_m(&self, _: f64) -> f64 {
-        self.cutoffs.cutoff_m
-    }
-
-    fn reach_deg(&self, _: f64) -> f64 {
-        self.cutoffs.cutoff_deg
+    fn cutoffs(&self) -> Option<Cutoffs> {
+        Some(self.cutoffs)
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

@@ -27,6 +27,7 @@ use super::events::EventLog;
 use crate::model::space::Space;
 use crate::model::watch::Watch;
 use crate::registry::{Method, Union};
+use cutoff::Cutoffs;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -209,16 +210,26 @@ const NOTHING_DUE: &str = "no target is due at any step";
 
 pub trait Metric: Send {
     /// Whether it is defined in this space, or, where there is none, for boxes.
-    fn accepts(&self, space: Option<Space>) -> bool;
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space.is_some()
+    }
+
+    /// Its own cutoffs, where it has some.
+    fn cutoffs(&self) -> Option<Cutoffs> {
+        None
+    }
 
     /// The largest distance (m) at which a pair of points matters to it, given the gate.
     fn reach_m(&self, gate_m: f64) -> f64 {
-        gate_m
+        self.cutoffs().map_or(gate_m, |own| own.cutoff_m)
     }
 
     /// The same of directions (degrees).
     fn reach_deg(&self, gate_deg: f64) -> f64 {
-        self.reach_m(gate_deg)
+        match self.cutoffs() {
+            Some(own) => own.cutoff_deg,
+            None => self.reach_m(gate_deg),
+        }
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport;

@@ -21,7 +21,6 @@ use super::origin::{DUE_STEPS, Origin, SERIES, STEPS, Statistic};
 use super::{BuildMetric, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Presence};
 use crate::math::assignment::AssignmentSolver;
-use crate::model::space::Space;
 use crate::model::watch::Watch;
 use crate::registry::{Method, Object, default, number, whole};
 use serde::Deserialize;
@@ -76,16 +75,8 @@ struct Ospa2 {
 }
 
 impl Metric for Ospa2 {
-    fn accepts(&self, space: Option<Space>) -> bool {
-        space.is_some()
-    }
-
-    fn reach_m(&self, _: f64) -> f64 {
-        self.cutoffs.cutoff_m
-    }
-
-    fn reach_deg(&self, _: f64) -> f64 {
-        self.cutoffs.cutoff_deg
+    fn cutoffs(&self) -> Option<Cutoffs> {
+        Some(self.cutoffs)
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

@@ -102,10 +102,6 @@ const NO_TARGET: &str = "there is no target";
 const NO_NAME: &str = "no track is called like a target";
 
 impl Metric for TrackKeeping {
-    fn accepts(&self, space: Option<Space>) -> bool {
-        space.is_some()
-    }
-
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let sigmas: Vec<Option<f64>> = sequences
             .iter()

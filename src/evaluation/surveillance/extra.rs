@@ -106,6 +106,37 @@ fn rising(times_s: impl Iterator<Item = f64>) -> Vec<f64> {
     times_s
 }
 
+/// Updates in the sector that are of no target.
+pub fn judge_false_updates(
+    (tracks, pairs): (&TrackSet, &Pairs),
+    sector: &Sector,
+    log: &mut Log,
+) -> Score {
+    let mut score = Score::default();
+    for (number, (track, pairs)) in tracks.tracks.iter().zip(&pairs.of).enumerate() {
+        for (point, paired) in track.points.iter().zip(pairs) {
+            let place = point.estimate.position;
+            let is_inside = sector.holds(&place, height_of(tracks.space, point));
+            if *paired == Paired::NoUpdate || !is_inside {
+                continue;
+            }
+            let is_false = *paired == Paired::Nobody;
+            score.count(is_false, None);
+            if is_false {
+                log.add(Fault {
+                    time_s: point.time_s,
+                    target: None,
+                    track: Some(number as u32),
+                    what: "false_update",
+                    size: None,
+                    place: Some(place),
+                });
+            }
+        }
+    }
+    score
+}
+
 /// Tracks no update of which is of a target, of those that are seen in the sector, over the hours from the first time that a target
 /// is due there to the last.
 pub fn judge_false_tracks(

@@ -14,6 +14,8 @@ pub struct Update {
     pub time_s: f64,
     /// Index into the tracks of the set.
     pub track: u32,
+    /// Index into its sensors, where it says.
+    pub sensor: Option<u32>,
     pub place: Place,
     pub height_m: Option<f64>,
     pub velocity: Option<Place>,
@@ -57,6 +59,7 @@ pub fn flights(truth: &TruthSet, tracks: &TrackSet, pairs: &Pairs, reach_s: f64)
             flights[target].updates.push(Update {
                 time_s: point.time_s,
                 track: number as u32,
+                sensor: point.sensor,
                 place,
                 height_m: height_of(tracks.space, point),
                 velocity: point.estimate.velocity,

@@ -7,9 +7,9 @@ use super::gaps::GapRule;
 use super::marks::{Mark, counts, mark};
 use super::numbers::{handovers, is_swap, lives, longest};
 use super::pairing::Pairs;
-use super::reference::reference_at;
+use super::reference::{Reference, reference_at};
 use super::score::Score;
-use super::settings::{Check, Settings};
+use super::settings::{Check, Requirement, Settings};
 use super::words::Words;
 use crate::model::space::Place;
 
@@ -23,7 +23,8 @@ pub struct Scene<'a> {
 
 impl Scene<'_> {
     /// Counts what a flight says of a check; its faults go into the log.
-    pub fn judge(&self, check: &Check, view: &View, log: &mut Log) -> Score {
+    pub fn judge(&self, requirement: &Requirement, view: &View, log: &mut Log) -> Score {
+        let check = &requirement.check;
         if let Some(rule) = check.gap_rule() {
             return self.judge_gaps(check, &rule, view, log);
         }
@@ -47,7 +48,7 @@ impl Scene<'_> {
                     ..Score::default()
                 }
             }
-            _ => self.judge_updates(check, view, log),
+            _ => self.judge_updates(requirement, view, log),
         }
     }
 
@@ -92,8 +93,8 @@ impl Scene<'_> {
         Some(reference.place)
     }
 
-    fn judge_updates(&self, check: &Check, view: &View, log: &mut Log) -> Score {
-        let flight = view.flight;
+    fn judge_updates(&self, requirement: &Requirement, view: &View, log: &mut Log) -> Score {
+        let (check, flight) = (&requirement.check, view.flight);
         let mut score = Score::default();
         for (update, is_inside) in flight.updates.iter().zip(&view.inside) {
             let Some(reference) = &update.reference else {
@@ -104,13 +105,19 @@ impl Scene<'_> {
                 score.leave_out("outside");
                 continue;
             }
+            if self.is_inaccurate(requirement, flight.target, reference) {
+                score.leave_out("reference_inaccurate");
+                continue;
+            }
             match mark(check, self.words, flight, (update, reference)) {
                 Some(Mark::Judged {
                     is_hit,
                     is_fault,
                     error,
+                    measured,
                 }) => {
                     score.count(is_hit, error);
+                    score.measured.extend(measured);
                     if is_fault {
                         let size = error.zip(check.error_unit());
                         log.add(of_update(view, update, check.name(), size));
@@ -121,6 +128,15 @@ impl Scene<'_> {
             }
         }
         score
+    }
+
+    /// Whether the truth says itself that it is not accurate enough. Where it says nothing it is.
+    fn is_inaccurate(&self, requirement: &Requirement, target: usize, at: &Reference) -> bool {
+        let worst_m = requirement.reference_accuracy_m;
+        let stated_m = worst_m.and_then(|_| self.words.accuracy_m(target, at));
+        stated_m
+            .zip(worst_m)
+            .is_some_and(|(stated_m, worst_m)| stated_m > worst_m)
     }
 
     /// Changes of the number that carries a target.

@@ -2,7 +2,7 @@
 
 use super::flights::{Flight, Update};
 use super::reference::{Reference, shorter_angle};
-use super::settings::{Check, Code, Rule};
+use super::settings::{Check, Code, Radar, Rule};
 use super::words::{Agreement, Words};
 use crate::model::space::Place;
 
@@ -14,6 +14,8 @@ pub enum Mark {
         is_hit: bool,
         is_fault: bool,
         error: Option<f64>,
+        /// The quantity that has the error, as the update says it; of errors that may have a gain.
+        measured: Option<f64>,
     },
     NotJudged(&'static str),
 }
@@ -25,6 +27,7 @@ impl Mark {
             is_hit: is_right,
             is_fault: !is_right,
             error,
+            measured: None,
         }
     }
 
@@ -34,6 +37,7 @@ impl Mark {
             is_hit: is_wrong,
             is_fault: is_wrong,
             error,
+            measured: None,
         }
     }
 }
@@ -54,6 +58,13 @@ pub fn mark(
             mark_component(check, judged)
         }
         Check::Speed { .. } | Check::Course { .. } => mark_motion(check, judged),
+        Check::RadarRange { radar, max_m } if is_of(radar, words, judged.0) => {
+            mark_range(radar, *max_m, judged)
+        }
+        Check::RadarAzimuth { radar, max_deg } if is_of(radar, words, judged.0) => {
+            mark_azimuth(radar, *max_deg, judged)
+        }
+        Check::RadarRange { .. } | Check::RadarAzimuth { .. } => Mark::NotJudged("other_sensor"),
         Check::IdentityCorrect { of, rule } => {
             let agreements = words.agreements(flight, judged, of);
             if agreements.is_empty() {
@@ -89,6 +100,46 @@ pub fn mark(
     })
 }
 
+/// Whether the radar may have seen the update: where the tracks do not say who did, it may.
+fn is_of(radar: &Radar, words: Words, update: &Update) -> bool {
+    let Some((sensor, wanted)) = update.sensor.zip(radar.sensor_id.as_ref()) else {
+        return true;
+    };
+    words.tracks.sensor_ids.get(sensor as usize) == Some(wanted)
+}
+
+/// The range of the update less that of the truth, along the ground.
+fn mark_range(radar: &Radar, max_m: f64, (update, reference): (&Update, &Reference)) -> Mark {
+    let range_m = |place: &Place| (place.xy() - radar.place_m()).norm();
+    let measured_m = range_m(&update.place);
+    let error_m = measured_m - range_m(&reference.place);
+    Mark::Judged {
+        is_hit: error_m.abs() <= max_m,
+        is_fault: error_m.abs() > max_m,
+        error: Some(error_m),
+        measured: Some(measured_m),
+    }
+}
+
+/// The bearing of the update less that of the truth, the shorter way; clockwise is positive.
+fn mark_azimuth(radar: &Radar, max_deg: f64, (update, reference): (&Update, &Reference)) -> Mark {
+    let bearing_rad = |place: &Place| {
+        let away_m = place.xy() - radar.place_m();
+        (away_m.norm() > 0.0).then(|| away_m.x.atan2(away_m.y))
+    };
+    let bearings = bearing_rad(&reference.place).zip(bearing_rad(&update.place));
+    let Some((true_rad, seen_rad)) = bearings else {
+        return Mark::NotJudged("at_the_radar");
+    };
+    let error_deg = shorter_angle(true_rad, seen_rad).to_degrees();
+    Mark::Judged {
+        is_hit: error_deg.abs() <= max_deg,
+        is_fault: error_deg.abs() > max_deg,
+        error: Some(error_deg),
+        measured: Some(seen_rad.to_degrees().rem_euclid(360.0)),
+    }
+}
+
 fn off(update: &Update, reference: &Reference) -> Place {
     update.place - reference.place
 }
@@ -110,6 +161,7 @@ fn mark_distance(check: &Check, (update, reference): (&Update, &Reference)) -> M
             is_hit: true,
             is_fault: false,
             error: Some(distance_m),
+            measured: None,
         },
     }
 }

@@ -8,6 +8,7 @@
 //!
 //! The page on surveillance defines each requirement and says where other tools differ.
 
+mod dubious;
 mod events;
 mod extra;
 mod finding;
@@ -27,7 +28,7 @@ mod words;
 pub use events::{Event, Fault};
 pub use finding::{FailedTarget, Finding};
 pub use pairing::PairedUpdates;
-pub use settings::{Check, Pairing, Requirement, Sector, Settings};
+pub use settings::{Check, Pairing, Radar, Requirement, Sector, Settings};
 
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
@@ -107,6 +108,29 @@ impl Requirement {
 }
 
 impl Scene<'_> {
+    /// Of requirements that go by tracks, not by targets.
+    fn judge_sets(
+        &self,
+        check: &Check,
+        sector: &Sector,
+        views: &[View],
+        log: &mut Log,
+    ) -> Option<Score> {
+        let sets = (self.words.tracks, self.pairs);
+        Some(match check {
+            Check::FalseUpdates {} => extra::judge_false_updates(sets, sector, log),
+            Check::FalseTracks { per_km2 } => {
+                let score = extra::judge_false_tracks(sets, sector, views, log);
+                let areas = per_km2.and_then(|per_km2| Some(sector.area_km2()? / per_km2));
+                Score { areas, ..score }
+            }
+            Check::DubiousTracks(doubts) => {
+                dubious::judge_dubious_tracks((self.words, self.pairs), doubts, sector, log)
+            }
+            _ => return None,
+        })
+    }
+
     fn find(
         &self,
         sector: &Sector,
@@ -117,12 +141,11 @@ impl Scene<'_> {
         let check = &requirement.check;
         let mut sum = Score::default();
         let mut failed = Vec::new();
-        if matches!(check, Check::FalseTracks {}) {
-            let sets = (self.words.tracks, self.pairs);
-            sum = extra::judge_false_tracks(sets, sector, views, log);
+        if let Some(of_sets) = self.judge_sets(check, sector, views, log) {
+            sum = of_sets;
         } else {
             for view in views {
-                let score = self.judge(check, view, log);
+                let score = self.judge(requirement, view, log);
                 let value = score.value(check);
                 let held = value.and_then(|value| Some((value, requirement.bound.hold(value)?)));
                 if let Some((value, (margin, false))) = held {

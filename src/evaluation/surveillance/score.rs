@@ -14,8 +14,12 @@ pub struct Score {
     pub denominator: u64,
     /// Of requirements per hour.
     pub hours: f64,
+    /// How many times the area of the requirement the sector has, of requirements per area.
+    pub areas: Option<f64>,
     /// One of each update that was judged, signed where that has a meaning.
     pub errors: Vec<f64>,
+    /// What has these errors, where they may have a gain.
+    pub measured: Vec<f64>,
     /// Updates that could not be judged, by reason.
     pub not_judged: BTreeMap<&'static str, u64>,
 }
@@ -32,6 +36,34 @@ pub struct Statistics {
     pub sigma: Option<f64>,
     pub min: f64,
     pub max: f64,
+    /// Of errors as seen from a radar; null of fewer than two different measurements.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub line: Option<Line>,
+}
+
+/// The straight line of least squares, truth = gain × measured + bias.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = ErrorLine))]
+pub struct Line {
+    pub gain: f64,
+    pub bias: f64,
+}
+
+impl Line {
+    fn of(measured: &[f64], errors: &[f64]) -> Option<Line> {
+        let (middle, middle_error) = (mean(measured)?, mean(errors)?);
+        let (mut squares, mut products) = (0.0, 0.0);
+        for (value, error) in measured.iter().zip(errors) {
+            squares += (value - middle) * (value - middle);
+            products += (value - middle) * (error - middle_error);
+        }
+        let gain = 1.0 - products / squares;
+        gain.is_finite().then(|| Line {
+            gain,
+            bias: middle - middle_error - gain * middle,
+        })
+    }
 }
 
 impl Score {
@@ -41,6 +73,7 @@ impl Score {
         self.denominator += other.denominator;
         self.hours += other.hours;
         self.errors.extend_from_slice(&other.errors);
+        self.measured.extend_from_slice(&other.measured);
         for (reason, count) in &other.not_judged {
             *self.not_judged.entry(reason).or_default() += count;
         }
@@ -65,7 +98,8 @@ impl Score {
                 percentile(&self.errors, *percent, *rank)
             }
             _ if check.unit() == PER_HOUR => {
-                (self.hours > 0.0).then(|| self.numerator as f64 / self.hours)
+                let shares = self.hours * self.areas.unwrap_or(1.0);
+                (shares > 0.0).then(|| self.numerator as f64 / shares)
             }
             _ => (self.denominator > 0).then(|| self.numerator as f64 / self.denominator as f64),
         }
@@ -90,6 +124,7 @@ impl Score {
             sigma: standard_deviation(errors),
             min: errors.iter().copied().fold(f64::INFINITY, f64::min),
             max: errors.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            line: Line::of(&self.measured, errors),
         })
     }
 }
@@ -122,6 +157,22 @@ mod tests {
             errors: errors.to_vec(),
             ..Score::default()
         }
+    }
+
+    #[test]
+    fn errors_of_a_radar_have_a_gain_and_a_bias() {
+        // Truth 0.98 × measured + 7.
+        let measured = [100.0, 300.0, 800.0];
+        let score = Score {
+            errors: measured.map(|one| one - (0.98 * one + 7.0)).to_vec(),
+            measured: measured.to_vec(),
+            ..Score::default()
+        };
+        let radar = crate::evaluation::surveillance::settings::Radar::default();
+        let check = Check::RadarRange { radar, max_m: 70.0 };
+        let line = score.statistics(&check).unwrap().line.unwrap();
+        assert!((line.gain - 0.98).abs() < 1e-12 && (line.bias - 7.0).abs() < 1e-9);
+        assert_eq!(Line::of(&[5.0, 5.0], &[1.0, 2.0]), None);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::reference::Phase;
 use crate::evaluation::credit::Credit;
 use crate::evaluation::scope::Area;
 use crate::model::space::Place;
+use crate::model::state::Position;
 use serde::Deserialize;
 
 /// A part of the airspace or of an airport.
@@ -17,6 +18,15 @@ pub struct Sector {
 }
 
 impl Sector {
+    /// The sum of its areas; `None` where one is unbounded or what a sensor covers.
+    pub fn area_km2(&self) -> Option<f64> {
+        let areas_m2 = self.areas.iter().map(Area::size_m2);
+        let sum_m2: Option<f64> = areas_m2.sum();
+        sum_m2
+            .filter(|sum_m2| *sum_m2 > 0.0)
+            .map(|sum_m2| sum_m2 / 1e6)
+    }
+
     /// A place without a height is inside whatever the heights are.
     pub fn holds(&self, place: &Place, height_m: Option<f64>) -> bool {
         let (least_m, most_m) = self.height_m;
@@ -66,6 +76,8 @@ pub struct Requirement {
     /// No target may fail it by itself.
     #[serde(default)]
     pub each_target: bool,
+    /// Points of the truth that are said to be less accurate (1 σ, m) judge nobody.
+    pub reference_accuracy_m: Option<f64>,
     #[serde(flatten)]
     pub check: Check,
 }
@@ -142,6 +154,37 @@ pub enum Rank {
     Linear,
 }
 
+/// The radar that positions are seen from.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+pub struct Radar {
+    /// Only its updates are judged, where tracks say whose they are.
+    pub sensor_id: Option<String>,
+    pub x_m: Option<f64>,
+    pub y_m: Option<f64>,
+}
+
+impl Radar {
+    /// Where it stands; settled before anything is judged.
+    pub fn place_m(&self) -> Position {
+        Position::new(self.x_m.unwrap_or_default(), self.y_m.unwrap_or_default())
+    }
+}
+
+/// What makes a track dubious without any truth.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Doubts {
+    /// Of its updates, at most this share may be dubious.
+    pub max_share: f64,
+    pub min_updates: u32,
+    pub min_duration_s: f64,
+    pub max_speed_mps: f64,
+    pub max_acceleration_mps2: f64,
+    pub max_turn_degps: f64,
+    pub max_climb_mps: f64,
+    /// Whether an update without any code is dubious.
+    pub needs_code: bool,
+}
+
 /// What is measured. The page on surveillance defines each.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "requirement", rename_all = "snake_case")]
@@ -179,6 +222,16 @@ pub enum Check {
     },
     Latency {
         max_s: f64,
+    },
+    RadarRange {
+        #[serde(flatten)]
+        radar: Radar,
+        max_m: f64,
+    },
+    RadarAzimuth {
+        #[serde(flatten)]
+        radar: Radar,
+        max_deg: f64,
     },
     IdentityCorrect {
         of: Vec<Code>,
@@ -226,7 +279,11 @@ pub enum Check {
         min_duration_s: f64,
         ends_after_s: f64,
     },
-    FalseTracks {},
+    FalseUpdates {},
+    FalseTracks {
+        per_km2: Option<f64>,
+    },
+    DubiousTracks(Doubts),
     Continuity {
         ends_after_s: f64,
     },
@@ -287,6 +344,14 @@ impl Check {
         }
     }
 
+    /// The radar that it asks from.
+    pub fn radar_mut(&mut self) -> Option<&mut Radar> {
+        match self {
+            Check::RadarRange { radar, .. } | Check::RadarAzimuth { radar, .. } => Some(radar),
+            _ => None,
+        }
+    }
+
     pub fn name(&self) -> &'static str {
         match self {
             Check::Detection { .. } => "detection",
@@ -298,6 +363,8 @@ impl Check {
             Check::Along { .. } => "along",
             Check::Across { .. } => "across",
             Check::Latency { .. } => "latency",
+            Check::RadarRange { .. } => "radar_range",
+            Check::RadarAzimuth { .. } => "radar_azimuth",
             Check::IdentityCorrect { .. } => "identity_correct",
             Check::IdentityFalse { .. } => "identity_false",
             Check::IdentityUpdate { .. } => "identity_update",
@@ -310,7 +377,9 @@ impl Check {
             Check::Course { .. } => "course",
             Check::ExtraData { .. } => "extra_data",
             Check::ExtraTrack { .. } => "extra_track",
-            Check::FalseTracks {} => "false_tracks",
+            Check::FalseUpdates {} => "false_updates",
+            Check::FalseTracks { .. } => "false_tracks",
+            Check::DubiousTracks(_) => "dubious_tracks",
             Check::Continuity { .. } => "continuity",
             Check::LongestTrack {} => "longest_track",
             Check::InitiationDelay { .. } => "initiation_delay",
@@ -321,7 +390,7 @@ impl Check {
     pub fn unit(&self) -> &'static str {
         match self {
             Check::PositionRms {} | Check::PositionPercentile { .. } => "m",
-            Check::FalseTracks {} | Check::Continuity { .. } => PER_HOUR,
+            Check::FalseTracks { .. } | Check::Continuity { .. } => PER_HOUR,
             _ => "",
         }
     }
@@ -334,11 +403,12 @@ impl Check {
             | Check::PositionRms {}
             | Check::PositionPercentile { .. }
             | Check::Along { .. }
-            | Check::Across { .. } => Some("m"),
+            | Check::Across { .. }
+            | Check::RadarRange { .. } => Some("m"),
             Check::Latency { .. } | Check::InitiationDelay { .. } => Some("s"),
             Check::ModeCCorrect { .. } | Check::ModeCFalse { .. } => Some("ft"),
             Check::Speed { .. } => Some("m/s"),
-            Check::Course { .. } => Some("deg"),
+            Check::Course { .. } | Check::RadarAzimuth { .. } => Some("deg"),
             _ => None,
         }
     }

@@ -84,6 +84,22 @@ impl<'a> Words<'a> {
         })
     }
 
+    /// The worse stated accuracy (1 σ, m) of the points beside a reference; `None` where none is stated.
+    pub fn accuracy_m(&self, target: usize, reference: &Reference) -> Option<f64> {
+        let (truth, target) = (self.truth, &self.truth.targets()[target]);
+        let mut worst_m = None;
+        for point in reference.beside {
+            let of = (target.truth_id.as_str(), target.points[point].time_s);
+            let said = truth
+                .changes
+                .word(&truth.attributes, of, "position_accuracy_m");
+            if let Some(accuracy_m) = said.and_then(finite) {
+                worst_m = Some(f64::max(accuracy_m, worst_m.unwrap_or(accuracy_m)));
+            }
+        }
+        worst_m
+    }
+
     /// Each of the codes that the truth has.
     pub fn agreements(
         &self,
@@ -105,9 +121,9 @@ impl<'a> Words<'a> {
         let known: Vec<f64> = known
             .iter()
             .flatten()
-            .filter_map(|word| feet(word))
+            .filter_map(|word| finite(word))
             .collect();
-        let said = self.of_update(update, Code::ModeC).and_then(feet);
+        let said = self.of_update(update, Code::ModeC).and_then(finite);
         let errors = said
             .into_iter()
             .flat_map(|said| known.iter().map(move |known| said - known));
@@ -116,7 +132,7 @@ impl<'a> Words<'a> {
     }
 }
 
-fn feet(word: &str) -> Option<f64> {
+fn finite(word: &str) -> Option<f64> {
     let number: f64 = word.trim().parse().ok()?;
     number.is_finite().then_some(number)
 }

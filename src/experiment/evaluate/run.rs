@@ -67,7 +67,10 @@ pub fn run(
         let association = report(tracked, data.recording()?, &data.sensors);
         result.insert("association".to_owned(), to_value(&association)?);
     }
+    // Those who judge look at the recording's sensors, of which the job may know more; files have them as they came.
+    let own = data.put_sensors(data.sensors.clone());
     let judged = job.judge(&mut data, tracked.as_ref(), settings, observer)?;
+    data.put_sensors(own);
     result.extend(judged.parts);
     let association_time = tracked
         .as_ref()

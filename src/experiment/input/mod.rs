@@ -144,6 +144,14 @@ impl JobData {
         Ok(())
     }
 
+    /// Puts sensors into the recording; gives those that stood there.
+    pub fn put_sensors(&mut self, sensors: Vec<SensorSettings>) -> Vec<SensorSettings> {
+        match &mut self.recording {
+            Some(recording) => recording.replace_sensors(sensors),
+            None => sensors,
+        }
+    }
+
     fn simulate(
         &mut self,
         scenario: &Scenario,

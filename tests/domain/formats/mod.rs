@@ -12,6 +12,8 @@ mod hostile;
 mod json;
 mod mot;
 mod outputs;
+#[cfg(feature = "parquet")]
+mod packed_columns;
 mod poses;
 mod round_trip;
 mod volumes;

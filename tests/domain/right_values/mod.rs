@@ -6,6 +6,7 @@ mod correlation;
 mod directions;
 mod noise;
 mod precise_sensor;
+mod radar_requirements;
 mod scans;
 mod steps;
 mod surveillance;

@@ -80,10 +80,6 @@ const NO_VELOCITY: &str = "no track with a velocity matches a target with one";
 const NO_COURSE: &str = "no matched target is known to move";
 
 impl Metric for Kinematics {
-    fn accepts(&self, space: Option<Space>) -> bool {
-        space.is_some()
-    }
-
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let space = sequences.first().and_then(|first| first.comparison.space);
         if space == Some(Space::Bearing) {

@@ -1,5 +1,6 @@
 //! Each kind of requirement, described field by field.
 
+use crate::experiment::evaluate::within::PLACE_M;
 use crate::registry::{
     Field, Kind, Object, Union, above, default, joined, list, number, optional, required, variant,
     whole,
@@ -10,7 +11,7 @@ const TEXT: Kind = Kind::Text { max_length: 200 };
 static SECTOR_NAME: Kind = TEXT;
 
 /// What every requirement may say.
-const COMMON: [Field; 8] = [
+const COMMON: [Field; 9] = [
     optional(
         "name",
         "What it is called in the report; its kind when absent.",
@@ -35,6 +36,11 @@ const COMMON: [Field; 8] = [
         "Whether it fails where one target fails it by itself.",
         Kind::Flag,
         "false",
+    ),
+    optional(
+        "reference_accuracy_m",
+        "Updates are not judged where the truth states a worse 'position_accuracy_m' (1 σ).",
+        above(0.0, 1e6, "m"),
     ),
 ];
 
@@ -95,7 +101,7 @@ const ENDS_AFTER: Field = default(
 static DETECTION: Object = Object {
     name: "DetectionRequirement",
     summary: "1 − misses / expected updates of the periods in which targets are due (probability of update, of detection).",
-    fields: &with::<13>(&[
+    fields: &with::<14>(&[
         UPDATE_INTERVAL,
         TOLERANCE,
         optional("min_gap_s", "Shorter gaps do not count.", SECONDS),
@@ -107,7 +113,7 @@ static DETECTION: Object = Object {
 static LONG_GAPS: Object = Object {
     name: "LongGapsRequirement",
     summary: "Misses of long gaps / expected updates.",
-    fields: &with::<12>(&[
+    fields: &with::<13>(&[
         UPDATE_INTERVAL,
         TOLERANCE,
         required("min_gap_s", "Shorter gaps do not count.", SECONDS),
@@ -118,7 +124,7 @@ static LONG_GAPS: Object = Object {
 static POSITION_WITHIN: Object = Object {
     name: "PositionWithinRequirement",
     summary: "Share of updates at most so far from the truth, along the ground.",
-    fields: &with::<9>(&[required(
+    fields: &with::<10>(&[required(
         "distance_m",
         "Largest distance that is right.",
         METRES,
@@ -128,7 +134,7 @@ static POSITION_WITHIN: Object = Object {
 static POSITION_BEYOND: Object = Object {
     name: "PositionBeyondRequirement",
     summary: "Share of updates at least so far from the truth: false positions.",
-    fields: &with::<10>(&[
+    fields: &with::<11>(&[
         required("distance_m", "Smallest distance that is false.", METRES),
         default(
             "inclusive",
@@ -142,13 +148,13 @@ static POSITION_BEYOND: Object = Object {
 static POSITION_RMS: Object = Object {
     name: "PositionRmsRequirement",
     summary: "Root mean square of the distances from the truth (m).",
-    fields: &with::<8>(&[]),
+    fields: &with::<9>(&[]),
 };
 
 static POSITION_PERCENTILE: Object = Object {
     name: "PositionPercentileRequirement",
     summary: "A percentile of the distances from the truth (m).",
-    fields: &with::<10>(&[
+    fields: &with::<11>(&[
         required("percent", "Of the updates.", above(0.0, 100.0, "%")),
         default(
             "rank",
@@ -162,49 +168,89 @@ static POSITION_PERCENTILE: Object = Object {
 static ALONG: Object = Object {
     name: "AlongRequirement",
     summary: "Share of updates whose error along the heading of the truth is small; ahead is positive.",
-    fields: &with::<9>(&[required("max_m", "Largest error that is right.", METRES)]),
+    fields: &with::<10>(&[required("max_m", "Largest error that is right.", METRES)]),
 };
 
 static ACROSS: Object = Object {
     name: "AcrossRequirement",
     summary: "Share of updates whose error across the heading of the truth is small; right is positive.",
-    fields: &with::<9>(&[required("max_m", "Largest error that is right.", METRES)]),
+    fields: &with::<10>(&[required("max_m", "Largest error that is right.", METRES)]),
 };
 
 static LATENCY: Object = Object {
     name: "LatencyRequirement",
     summary: "Share of updates whose error along, as time at the true speed, is small; late is positive.",
-    fields: &with::<9>(&[required("max_s", "Largest latency that is right.", SECONDS)]),
+    fields: &with::<10>(&[required("max_s", "Largest latency that is right.", SECONDS)]),
+};
+
+const RADAR: [Field; 3] = [
+    optional(
+        "sensor_id",
+        "The radar, of the job's detections; only its updates are judged, where tracks say whose they are.",
+        TEXT,
+    ),
+    optional(
+        "x_m",
+        "Where it stands, east; the place of the sensor when absent.",
+        PLACE_M,
+    ),
+    optional(
+        "y_m",
+        "Where it stands, north; the place of the sensor when absent.",
+        PLACE_M,
+    ),
+];
+
+static RADAR_RANGE: Object = Object {
+    name: "RadarRangeRequirement",
+    summary: "Share of updates whose range from a radar along the ground is right; `errors` has bias (mean), σ, and the line of gain and bias.",
+    fields: &with::<13>(&joined::<4>(&[
+        &RADAR,
+        &[required("max_m", "Largest error that is right.", METRES)],
+    ])),
+};
+
+static RADAR_AZIMUTH: Object = Object {
+    name: "RadarAzimuthRequirement",
+    summary: "Share of updates whose bearing from a radar is right, clockwise positive; `errors` has bias (mean), σ, and the line of gain and bias.",
+    fields: &with::<13>(&joined::<4>(&[
+        &RADAR,
+        &[required(
+            "max_deg",
+            "Largest error that is right.",
+            number(0.0, 180.0, "deg"),
+        )],
+    ])),
 };
 
 static IDENTITY_CORRECT: Object = Object {
     name: "IdentityCorrectRequirement",
     summary: "Share of updates whose identity is that of the truth, where the truth has one.",
-    fields: &with::<10>(&[OF, RULE]),
+    fields: &with::<11>(&[OF, RULE]),
 };
 
 static IDENTITY_FALSE: Object = Object {
     name: "IdentityFalseRequirement",
     summary: "Share of updates whose identity differs from the truth, where both have one.",
-    fields: &with::<10>(&[OF, RULE]),
+    fields: &with::<11>(&[OF, RULE]),
 };
 
 static IDENTITY_UPDATE: Object = Object {
     name: "IdentityUpdateRequirement",
     summary: "As detection, of updates with the right identity.",
-    fields: &with::<12>(&[OF, RULE, UPDATE_INTERVAL, TOLERANCE]),
+    fields: &with::<13>(&[OF, RULE, UPDATE_INTERVAL, TOLERANCE]),
 };
 
 static MODE_C_UPDATE: Object = Object {
     name: "ModeCUpdateRequirement",
     summary: "As detection, of updates with the right Mode C height.",
-    fields: &with::<11>(&[DIFFERENCE_FT, UPDATE_INTERVAL, TOLERANCE]),
+    fields: &with::<12>(&[DIFFERENCE_FT, UPDATE_INTERVAL, TOLERANCE]),
 };
 
 static CODE_PRESENT: Object = Object {
     name: "CodePresentRequirement",
     summary: "Share of updates that have a code, where the truth has it.",
-    fields: &with::<9>(&[required(
+    fields: &with::<10>(&[required(
         "code",
         "Which.",
         Kind::Choice(&["address", "callsign", "mode_a", "mode_c"]),
@@ -214,25 +260,25 @@ static CODE_PRESENT: Object = Object {
 static MODE_A_FALSE: Object = Object {
     name: "ModeAFalseRequirement",
     summary: "Share of updates whose Mode A code differs from the truth, where both have one.",
-    fields: &with::<8>(&[]),
+    fields: &with::<9>(&[]),
 };
 
 static MODE_C_CORRECT: Object = Object {
     name: "ModeCCorrectRequirement",
     summary: "Share of updates whose Mode C height is right, where the truth has one.",
-    fields: &with::<9>(&[DIFFERENCE_FT]),
+    fields: &with::<10>(&[DIFFERENCE_FT]),
 };
 
 static MODE_C_FALSE: Object = Object {
     name: "ModeCFalseRequirement",
     summary: "Share of updates whose Mode C height is wrong, where both have one.",
-    fields: &with::<9>(&[DIFFERENCE_FT]),
+    fields: &with::<10>(&[DIFFERENCE_FT]),
 };
 
 static SPEED: Object = Object {
     name: "SpeedRequirement",
     summary: "Share of updates whose speed is right.",
-    fields: &with::<10>(&[
+    fields: &with::<11>(&[
         required(
             "max_difference_mps",
             "Largest difference that is right.",
@@ -250,7 +296,7 @@ static SPEED: Object = Object {
 static COURSE: Object = Object {
     name: "CourseRequirement",
     summary: "Share of updates whose course is right.",
-    fields: &with::<10>(&[
+    fields: &with::<11>(&[
         required(
             "max_difference_deg",
             "Largest difference that is right.",
@@ -268,7 +314,7 @@ static COURSE: Object = Object {
 static EXTRA_DATA: Object = Object {
     name: "ExtraDataRequirement",
     summary: "Share of updates of a target at times at which it is not due.",
-    fields: &with::<10>(&[
+    fields: &with::<11>(&[
         default("min_updates", MIN_UPDATES, whole(0, 1_000_000, ""), "3"),
         default("min_duration_s", MIN_DURATION, SECONDS, "11.0"),
     ]),
@@ -277,7 +323,7 @@ static EXTRA_DATA: Object = Object {
 static EXTRA_TRACK: Object = Object {
     name: "ExtraTrackRequirement",
     summary: "Share of updates at whose time another track number of the same target is alive.",
-    fields: &with::<11>(&[
+    fields: &with::<12>(&[
         default("min_updates", MIN_UPDATES, whole(0, 1_000_000, ""), "10"),
         default("min_duration_s", MIN_DURATION, SECONDS, "60.0"),
         ENDS_AFTER,
@@ -287,25 +333,90 @@ static EXTRA_TRACK: Object = Object {
 static FALSE_TRACKS: Object = Object {
     name: "FalseTracksRequirement",
     summary: "Tracks that are of no target, per hour.",
-    fields: &with::<8>(&[]),
+    fields: &with::<10>(&[optional(
+        "per_km2",
+        "Per hour and this area, too; the areas of the sector are added up.",
+        above(0.0, 1e9, "km²"),
+    )]),
+};
+
+static FALSE_UPDATES: Object = Object {
+    name: "FalseUpdatesRequirement",
+    summary: "Share of updates that are of no target (false plots).",
+    fields: &with::<9>(&[]),
+};
+
+static DUBIOUS_TRACKS: Object = Object {
+    name: "DubiousTracksRequirement",
+    summary: "Share of tracks that are dubious by themselves, whatever the truth: too many of their updates are. All updates of short tracks that do not leave the sector are.",
+    fields: &with::<17>(&[
+        default(
+            "max_share",
+            "A track with a larger share of dubious updates is dubious.",
+            number(0.0, 1.0, ""),
+            "0.05",
+        ),
+        default(
+            "min_updates",
+            "Shorter tracks are dubious.",
+            whole(0, 1_000_000, ""),
+            "10",
+        ),
+        default(
+            "min_duration_s",
+            "Shorter tracks are dubious.",
+            SECONDS,
+            "30.0",
+        ),
+        default(
+            "max_speed_mps",
+            "Faster updates are dubious; 1333 kt unless said otherwise.",
+            number(0.0, 1e6, "m/s"),
+            "685.75",
+        ),
+        default(
+            "max_acceleration_mps2",
+            "Larger changes of the speed between updates 1 to 30 s apart are dubious.",
+            number(0.0, 1e6, "m/s²"),
+            "29.43",
+        ),
+        default(
+            "max_turn_degps",
+            "Faster turns between such updates are dubious.",
+            number(0.0, 1e6, "deg/s"),
+            "30.0",
+        ),
+        default(
+            "max_climb_mps",
+            "Faster climbs and descents between such updates are dubious; 1000 ft/s unless said otherwise.",
+            number(0.0, 1e6, "m/s"),
+            "304.8",
+        ),
+        default(
+            "needs_code",
+            "Whether updates without address, callsign and Mode A are dubious.",
+            Kind::Flag,
+            "true",
+        ),
+    ]),
 };
 
 static CONTINUITY: Object = Object {
     name: "ContinuityRequirement",
     summary: "Changes of the track number of a target, per hour in which targets are due.",
-    fields: &with::<9>(&[ENDS_AFTER]),
+    fields: &with::<10>(&[ENDS_AFTER]),
 };
 
 static LONGEST_TRACK: Object = Object {
     name: "LongestTrackRequirement",
     summary: "Share of the updates of targets that are of the most frequent track number of their target.",
-    fields: &with::<8>(&[]),
+    fields: &with::<9>(&[]),
 };
 
 static INITIATION_DELAY: Object = Object {
     name: "InitiationDelayRequirement",
     summary: "Share of targets that have an update soon after they are due for the first time.",
-    fields: &with::<9>(&[required(
+    fields: &with::<10>(&[required(
         "max_delay_s",
         "Latest time that is right.",
         SECONDS,
@@ -328,6 +439,8 @@ pub static REQUIREMENT: Union = Union {
             variant("along", &ALONG),
             variant("across", &ACROSS),
             variant("latency", &LATENCY),
+            variant("radar_range", &RADAR_RANGE),
+            variant("radar_azimuth", &RADAR_AZIMUTH),
             variant("identity_correct", &IDENTITY_CORRECT),
             variant("identity_false", &IDENTITY_FALSE),
             variant("identity_update", &IDENTITY_UPDATE),
@@ -340,7 +453,9 @@ pub static REQUIREMENT: Union = Union {
             variant("course", &COURSE),
             variant("extra_data", &EXTRA_DATA),
             variant("extra_track", &EXTRA_TRACK),
+            variant("false_updates", &FALSE_UPDATES),
             variant("false_tracks", &FALSE_TRACKS),
+            variant("dubious_tracks", &DUBIOUS_TRACKS),
             variant("continuity", &CONTINUITY),
             variant("longest_track", &LONGEST_TRACK),
             variant("initiation_delay", &INITIATION_DELAY),

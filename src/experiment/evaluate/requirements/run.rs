@@ -13,6 +13,7 @@ use crate::model::fault::Fault;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 const FILE: &str = "requirement_events.csv";
 
@@ -43,6 +44,55 @@ pub struct RequirementsReport {
     pub events_left_out: u64,
     /// Sector by sector.
     pub findings: Vec<Finding>,
+    /// The same by sector and name, for limits and outcomes of campaigns; a second one of a name is called `detection_2`.
+    pub values: BTreeMap<String, BTreeMap<String, RequirementValue>>,
+}
+
+/// What one requirement says in one sector.
+#[derive(Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct RequirementValue {
+    /// Null where nothing could be judged.
+    pub value: Option<f64>,
+    /// Why it is null.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub reason: Option<String>,
+    /// Null without a threshold; what has no value is not met.
+    pub met: Option<bool>,
+}
+
+fn values(findings: &[Finding]) -> BTreeMap<String, BTreeMap<String, RequirementValue>> {
+    let mut values: BTreeMap<String, BTreeMap<String, RequirementValue>> = BTreeMap::new();
+    for finding in findings {
+        let of_sector = values.entry(finding.sector_id.clone()).or_default();
+        let mut name = finding.requirement.clone();
+        for number in 2.. {
+            if !of_sector.contains_key(&name) {
+                break;
+            }
+            name = format!("{}_{number}", finding.requirement);
+        }
+        let is_held = finding.verdict == Some("pass");
+        let value = RequirementValue {
+            value: finding.value,
+            reason: finding.value.is_none().then(|| why_null(finding)),
+            met: finding.comparison.map(|_| is_held),
+        };
+        of_sector.insert(name, value);
+    }
+    values
+}
+
+fn why_null(finding: &Finding) -> String {
+    if finding.not_judged.is_empty() {
+        return "nothing was due".to_owned();
+    }
+    let counts = finding.not_judged.iter();
+    let told: Vec<String> = counts
+        .map(|(reason, count)| format!("{count} {reason}"))
+        .collect();
+    format!("nothing could be judged: {}", told.join(", "))
 }
 
 /// What a job says of requirements.
@@ -88,6 +138,7 @@ pub fn hold(
             updates: assessment.updates,
             events: assessment.events.len(),
             events_left_out: assessment.events_left_out,
+            values: values(&assessment.findings),
             findings: assessment.findings,
         },
     })
@@ -98,14 +149,7 @@ fn check_of(finding: &Finding) -> Option<LimitCheck> {
     let threshold = finding.threshold;
     let is_lower = finding.comparison?.starts_with('>');
     let reason = match finding.value {
-        None if finding.not_judged.is_empty() => Some("nothing was due".to_owned()),
-        None => {
-            let counts = finding.not_judged.iter();
-            let told: Vec<String> = counts
-                .map(|(reason, count)| format!("{count} {reason}"))
-                .collect();
-            Some(format!("nothing could be judged: {}", told.join(", ")))
-        }
+        None => Some(why_null(finding)),
         Some(_) if finding.each_target && finding.failed_target_count > 0 => {
             Some(match finding.failed_target_count {
                 1 => "1 target fails by itself".to_owned(),

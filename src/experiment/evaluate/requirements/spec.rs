@@ -2,7 +2,7 @@
 
 use super::presets::items_of;
 use crate::evaluation::credit::Credit;
-use crate::evaluation::surveillance::{Pairing, Requirement, Sector, Settings};
+use crate::evaluation::surveillance::{Check, Pairing, Radar, Requirement, Sector, Settings};
 use crate::experiment::evaluate::within::{AreaSpec, Seen};
 use crate::model::fault::Fault;
 use crate::model::truth::TruthSet;
@@ -124,12 +124,26 @@ impl RequirementsSpec {
                 ..Sector::default()
             });
         }
+        let mut requirements = self.requirements();
+        let first_item = requirements.len() - self.items.len();
+        for (index, requirement) in requirements.iter_mut().enumerate() {
+            // Presets have no radars and no areas.
+            let pointer = format!("/requirements/items/{}", index.saturating_sub(first_item));
+            let fault = match requirement.check.radar_mut() {
+                Some(radar) => place_radar(radar, recording).err(),
+                None => without_area(requirement, &sectors),
+            };
+            faults.extend(fault.map(|fault| Fault {
+                pointer: format!("{pointer}{}", fault.pointer),
+                ..fault
+            }));
+        }
         if !faults.is_empty() {
             return Err(faults);
         }
         Ok(Settings {
             sectors,
-            requirements: self.requirements(),
+            requirements,
             pairing: self.pairing,
             gate_m: self.gate_m.unwrap_or(gate_m),
             reference_reach_s: self.reference_reach_s,
@@ -152,6 +166,53 @@ impl RequirementsSpec {
         requirements.extend(self.items.iter().cloned());
         requirements
     }
+}
+
+/// Puts a radar where the job's sensor stands, unless the request says where.
+fn place_radar(radar: &mut Radar, recording: Option<Seen>) -> Result<(), Fault> {
+    if radar.x_m.is_some() && radar.y_m.is_some() {
+        return Ok(());
+    }
+    let sensors = recording.map_or(&[][..], |(_, sensors)| sensors);
+    let names: Vec<&str> = sensors.iter().map(|one| one.sensor_id.as_str()).collect();
+    let sensor = match &radar.sensor_id {
+        Some(wanted) => sensors.iter().find(|one| one.sensor_id == *wanted),
+        None => sensors.first().filter(|_| sensors.len() == 1),
+    };
+    let Some(sensor) = sensor else {
+        let detail = "nothing says where the radar stands";
+        let fault = Fault::new("/sensor_id", "missing", detail);
+        return Err(fault.allowing(match names.as_slice() {
+            [] => "x_m and y_m, or a sensor of the job's detections".to_owned(),
+            names => format!("x_m and y_m, or one of {}", names.join(", ")),
+        }));
+    };
+    let place_m = radar.x_m.or(sensor.x_m).zip(radar.y_m.or(sensor.y_m));
+    let Some((x_m, y_m)) = place_m else {
+        let detail = format!(
+            "the place of the sensor '{}' is not known",
+            sensor.sensor_id
+        );
+        return Err(Fault::new("/sensor_id", "missing", detail).allowing("x_m and y_m"));
+    };
+    (radar.x_m, radar.y_m) = (Some(x_m), Some(y_m));
+    Ok(())
+}
+
+/// The fault of a rate per area in sectors without one.
+fn without_area(requirement: &Requirement, sectors: &[Sector]) -> Option<Fault> {
+    let is_asked = matches!(requirement.check, Check::FalseTracks { per_km2: Some(_) });
+    let names = requirement.sectors.as_ref();
+    let mut due = sectors
+        .iter()
+        .filter(|sector| names.is_none_or(|names| names.contains(&sector.sector_id)));
+    let boundless = due.find(|sector| is_asked && sector.area_km2().is_none())?;
+    let detail = format!(
+        "the sector '{}' has no area of known size",
+        boundless.sector_id
+    );
+    let fault = Fault::new("/per_km2", "unsupported", detail);
+    Some(fault.allowing("sectors with areas of the kinds polygon, polygon_deg and sector"))
 }
 
 fn item_faults(pointer: &str, item: &Requirement) -> Vec<Fault> {
