@@ -102,6 +102,16 @@ impl Units {
         *self.ignored.entry(kind.to_owned()).or_default() += units;
     }
 
+    /// Units that were counted as used, but are not asked for after all.
+    pub fn ignore_used(&mut self, kind: &str, units: u64) {
+        let units = units.min(self.used);
+        if units > 0 {
+            self.used -= units;
+            self.total -= units;
+            self.ignore(kind, units);
+        }
+    }
+
     /// `unit` is the number of the first of them.
     pub fn reject(&mut self, reason: Reason, unit: u64, units: u64) {
         self.total += units;

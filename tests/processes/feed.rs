@@ -927,3 +927,37 @@ fn a_service_that_is_busy_or_fails_is_asked_again_with_the_same_scans() {
         "{told}"
     );
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn sensors_that_are_none_of_the_session_are_left_out_and_counted() {
+    let (data, folder) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let server = Server::start(data.path(), &[]);
+    let mut text = String::from("time_s,scan,sensor_id,detection_id,x_m,y_m\n");
+    for scan in 0..10 {
+        text.push_str(&format!(
+            "{scan},{scan},radar,a{scan},{scan},1\n{scan}.5,{scan},lidar,b{scan},{scan},2\n"
+        ));
+    }
+    let sample = Sample {
+        bytes: text.into_bytes(),
+        ..table()
+    };
+    let file = sample.file(folder.path());
+    for source in [file.as_str(), "-"] {
+        let mut command = sample.command(&server, folder.path(), source);
+        command.args(["--speed", "max"]);
+        let output = from_stdin(command, &sample.bytes, 50);
+        let told = said(&output);
+        assert!(
+            told.contains("read 20 lines = 10 used + 10 ignored + 0 rejected"),
+            "{told}"
+        );
+        assert!(
+            told.contains("nobody says which sensor of the session 'lidar' is"),
+            "{told}"
+        );
+        let found = closed(&server, &id_of(&output)).await;
+        assert_eq!((found.scans, found.detections.len()), (10, 10));
+        assert!(found.detections.iter().all(|(id, _)| id.starts_with('a')));
+    }
+}

@@ -11,7 +11,7 @@ use crate::experiment::session::{PushedDetection, PushedScan};
 use crate::formats::{self, ReadOutcome};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::model::scan::{Measurement, Recording};
+use crate::model::scan::{Measurement, Recording, RecordingParts};
 use crate::model::units::{Reason, Units};
 use crate::service::cli::run::Trouble;
 use anyhow::Context;
@@ -87,7 +87,7 @@ fn scans_of_dataset(
     let ReadOutcome {
         dataset,
         warnings,
-        units,
+        mut units,
     } = read;
     feeding.pusher.places = Some(Places {
         bytes,
@@ -115,35 +115,59 @@ fn scans_of_dataset(
     if recording.scans.iter().any(|scan| scan.pose.is_some()) {
         eprintln!("warning: the file says where its sensors were, which is not pushed");
     }
-    let scans = scans_of(recording, &mut feeding.mapping)?;
+    let scans = scans_of(recording, &mut feeding.mapping, &mut units)?;
     Ok((not_heard(scans, &feeding.session)?, units))
 }
 
-/// Scans as they are pushed, numbered from 1 for each sensor.
-fn scans_of(recording: Recording, mapping: &mut Mapping) -> Result<Vec<Ready>, Vec<Fault>> {
-    let parts = recording.into_parts();
-    let (mut names, mut faults) = (Vec::new(), Vec::new());
+/// The sensors of the session that those of a recording are; of scans of others nothing is pushed.
+///
+/// # Errors
+/// None of them is a sensor of the session.
+fn names_of(
+    parts: &RecordingParts,
+    mapping: &mut Mapping,
+) -> Result<Vec<Option<String>>, Vec<Fault>> {
     let used: BTreeSet<usize> = parts.scans.iter().map(|scan| scan.sensor).collect();
+    let (mut names, mut faults) = (Vec::new(), Vec::new());
     for (index, sensor) in parts.sensors.iter().enumerate() {
-        let name = used
-            .contains(&index)
-            .then(|| mapping.of(&sensor.sensor_id).map(str::to_owned));
-        if name == Some(None) {
+        let name = mapping.of(&sensor.sensor_id).map(str::to_owned);
+        if name.is_none() && used.contains(&index) {
             faults.push(mapping.unknown(&sensor.sensor_id));
         }
-        names.push(name.flatten().unwrap_or_default());
+        names.push(name);
     }
-    if !faults.is_empty() {
+    if used.iter().all(|index| names[*index].is_none()) {
         return Err(faults);
     }
+    for fault in faults {
+        eprintln!("warning: {}; it is left out", fault.detail);
+    }
+    Ok(names)
+}
+
+/// Scans as they are pushed, numbered from 1 for each sensor.
+fn scans_of(
+    recording: Recording,
+    mapping: &mut Mapping,
+    units: &mut Units,
+) -> Result<Vec<Ready>, Vec<Fault>> {
+    let parts = recording.into_parts();
+    if parts.scans.is_empty() {
+        return Ok(Vec::new());
+    }
+    let names = names_of(&parts, mapping)?;
     let mut ids = parts.detection_ids.into_iter();
     let mut numbers: BTreeMap<&str, u64> = BTreeMap::new();
     let mut scans = Vec::with_capacity(parts.scans.len());
     for scan in &parts.scans {
-        let name = names[scan.sensor].as_str();
+        let of_scan: Vec<String> = ids.by_ref().take(scan.detections.len()).collect();
+        let Some(name) = names[scan.sensor].as_deref() else {
+            units.ignore_used("sensor unknown", of_scan.len() as u64);
+            continue;
+        };
         let number = numbers.entry(name).or_default();
         *number += 1;
-        let of_scan = scan.detections.iter().zip(ids.by_ref());
+        let of_scan = scan.detections.iter().zip(of_scan);
         let detections = of_scan.map(|(detection, id)| PushedDetection::of(id, detection));
         let scan = PushedScan {
             sensor_id: name.to_owned(),

@@ -205,15 +205,9 @@ impl Streaming {
             .unwrap_or_else(PoisonError::into_inner)
             .clone();
         let unknown: u64 = self.unknown.values().sum();
-        for (kind, count) in [("superseded", self.superseded), ("sensor unknown", unknown)] {
-            // The reader counts them as used.
-            let count = count.min(units.used);
-            if count > 0 {
-                units.used -= count;
-                units.total -= count;
-                units.ignore(kind, count);
-            }
-        }
+        // The reader counts them as used.
+        units.ignore_used("superseded", self.superseded);
+        units.ignore_used("sensor unknown", unknown);
         progress.units = units;
         if let Some(datagrams) = &self.datagrams {
             progress.lost = datagrams.lost();
