@@ -12,6 +12,7 @@ mod recorded;
 mod sensors;
 mod stop;
 mod streamed;
+mod teller;
 
 use super::reading::ReadArguments;
 use super::run::{Trouble, end};

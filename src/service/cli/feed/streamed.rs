@@ -4,15 +4,14 @@ use super::arrivals::{Head, Kind};
 use super::inlets::{self, Datagrams};
 use super::pusher::MOST_SCANS;
 use super::queue::{Queue, now_s};
-use super::ready::{Ready, read_scan};
+use super::ready::Ready;
+use super::teller::{Teller, Told};
 use super::{Feeding, Source};
 use crate::experiment::session::{PushedDetection, PushedScan};
-use crate::formats::live::{
-    Arrivals, FRAME_S, GatheredScan, Gatherer, Listener, LiveReport, Piece, follow,
-};
-use crate::formats::{ReadOptions, Reading};
+use crate::formats::Reading;
+use crate::formats::live::{FRAME_S, GatheredScan, Gatherer};
 use crate::model::fault::Fault;
-use crate::model::units::{Reason, Units};
+use crate::model::units::Units;
 use crate::service::cli::run::Trouble;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -25,16 +24,6 @@ const TOGETHER: Duration = Duration::from_millis(50);
 const WAITING: usize = 10_000;
 /// Times that are this near to the clock are taken as its times (s).
 const NEAR_S: f64 = 1e6;
-
-/// What the thread that reads tells.
-enum Told {
-    Report(LiveReport),
-    Scan(Box<Ready>),
-    Warning(String),
-    /// Lines that are no scans.
-    Faults(Vec<Fault>),
-    End(Result<Units, Vec<Fault>>),
-}
 
 /// Feeds a stream until it ends, or somebody asks to stop.
 pub(super) async fn feed(feeding: &mut Feeding<'_>, source: &Source) -> Result<(), Trouble> {
@@ -242,81 +231,4 @@ fn refused(faults: &[Fault]) -> Trouble {
     });
     let told: String = told.collect();
     Trouble::Failed(anyhow::anyhow!("what comes is no scan{told}"))
-}
-
-/// Tells what the reader reads, on the reader's thread.
-struct Teller {
-    sender: mpsc::Sender<Told>,
-    units: Arc<Mutex<Units>>,
-}
-
-impl Teller {
-    fn read(mut self, mut head: Head, said: Option<Kind>, options: &ReadOptions) {
-        let Some(kind) = said.or_else(|| head.tell()) else {
-            let detail = "the format could not be told from what came first; --format says it";
-            let fault = Fault::new("/format", "unknown_value", detail);
-            return self.tell(Told::End(Err(vec![fault])));
-        };
-        let mut arrivals = head.arrivals(kind);
-        let done = match kind {
-            Kind::Scans => Ok(self.scans(&mut arrivals)),
-            Kind::Of(format) => follow(format, &mut arrivals, options, &mut self),
-        };
-        self.tell(Told::End(done));
-    }
-
-    /// Where nobody hears any more, nothing more comes either.
-    fn tell(&self, told: Told) {
-        let _ = self.sender.blocking_send(told);
-    }
-
-    /// Lines that are scans.
-    fn scans(&mut self, arrivals: &mut dyn Arrivals) -> Units {
-        let (mut units, mut number) = (Units::called("line"), 0);
-        while let Some(piece) = arrivals.next() {
-            let lines = match piece {
-                Piece::Whole(lines) => lines,
-                Piece::Broken(reason) => {
-                    units.reject(reason, number + 1, 1);
-                    continue;
-                }
-            };
-            for line in lines.split_inclusive(|byte| *byte == b'\n') {
-                number += 1;
-                if line.trim_ascii().is_empty() {
-                    units.ignore("blank", 1);
-                    continue;
-                }
-                match read_scan(line, number) {
-                    Ok(ready) => {
-                        units.use_up(1);
-                        self.tell(Told::Scan(Box::new(ready)));
-                    }
-                    Err(faults) => {
-                        units.reject(Reason::Malformed, number, 1);
-                        self.tell(Told::Faults(faults));
-                    }
-                }
-            }
-            self.units(&units);
-        }
-        units
-    }
-}
-
-impl Listener for Teller {
-    fn report(&mut self, report: LiveReport) {
-        self.tell(Told::Report(report));
-    }
-
-    fn units(&mut self, units: &Units) {
-        let mut known = self.units.lock().unwrap_or_else(PoisonError::into_inner);
-        if known.total != units.total {
-            known.clone_from(units);
-        }
-    }
-
-    fn warn(&mut self, warning: String) {
-        self.tell(Told::Warning(warning));
-    }
 }
