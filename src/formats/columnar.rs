@@ -3,6 +3,7 @@
 
 mod budget;
 mod cells;
+mod ipc;
 mod messages;
 mod pages;
 mod thrift;
@@ -12,7 +13,6 @@ use super::table::{self, FaultLog, Rows, pointer_token};
 use super::{Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, TABLES};
 use crate::model::fault::Fault;
 use arrow_array::RecordBatch;
-use arrow_ipc::reader::{StreamDecoder, read_footer_length};
 use arrow_schema::{ArrowError, DataType, Schema};
 use budget::{Budget, most_rows};
 use bytes::Bytes;
@@ -63,79 +63,9 @@ fn read_arrow(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutc
     let bytes = whole(input)?;
     let size = bytes.len() as u64;
     guarded(|| {
-        let mut stream = Stream::open(bytes)?;
-        messages::check(&stream.rest, size)?;
-        let first = stream.next_batch().map_err(damaged)?;
-        let schema = stream.decoder.schema().ok_or_else(|| {
-            vec![Fault::new(
-                "/file",
-                "malformed",
-                "the file ends before its columns are named",
-            )]
-        })?;
-        let batches = first.map(Ok).into_iter().chain(stream);
-        read_batches(&schema, Box::new(batches), size, options)
+        let (schema, batches) = ipc::open(bytes)?;
+        read_batches(&schema, batches, size, options)
     })
-}
-
-/// The messages of a stream. A file has them between its magic and its footer.
-struct Stream {
-    rest: arrow_buffer::Buffer,
-    decoder: StreamDecoder,
-}
-
-impl Stream {
-    fn open(bytes: Vec<u8>) -> Result<Self, Vec<Fault>> {
-        let (mut first, mut end) = (0, bytes.len());
-        if bytes.starts_with(ARROW_MAGIC) {
-            end = footer_start(&bytes).map_err(damaged)?;
-            first = messages_start(&bytes[..end]);
-        }
-        if first > end {
-            return Err(damaged("the footer is longer than the file"));
-        }
-        let length = end - first;
-        Ok(Stream {
-            rest: arrow_buffer::Buffer::from_vec(bytes).slice_with_length(first, length),
-            decoder: StreamDecoder::new(),
-        })
-    }
-
-    fn next_batch(&mut self) -> Result<Option<RecordBatch>, ArrowError> {
-        let batch = self.decoder.decode(&mut self.rest)?;
-        if batch.is_none() {
-            self.decoder.finish()?;
-        }
-        Ok(batch)
-    }
-}
-
-impl Iterator for Stream {
-    type Item = Result<RecordBatch, ArrowError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.next_batch().transpose()
-    }
-}
-
-/// Where the messages of a file begin: behind the magic and as many zeros as its writer aligns to.
-fn messages_start(bytes: &[u8]) -> usize {
-    let is_zero = |byte: &u8| *byte == 0;
-    let padding = bytes
-        .iter()
-        .skip(ARROW_MAGIC.len())
-        .take_while(|byte| is_zero(byte));
-    ARROW_MAGIC.len() + padding.count()
-}
-
-/// Where the footer of a file begins: its length and the magic stand behind it.
-fn footer_start(bytes: &[u8]) -> Result<usize, ArrowError> {
-    let cut = || ArrowError::ParseError("the file is cut off".to_owned());
-    let trailer = bytes.last_chunk::<10>().ok_or_else(cut)?;
-    let footer = read_footer_length(*trailer)?;
-    (bytes.len() - trailer.len())
-        .checked_sub(footer)
-        .ok_or_else(cut)
 }
 
 fn whole(input: &mut dyn BufRead) -> Result<Vec<u8>, Vec<Fault>> {

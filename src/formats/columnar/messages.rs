@@ -12,8 +12,7 @@ const CONTINUATION: [u8; 4] = [0xff; 4];
 ///
 /// # Errors
 /// More than the [`Budget`]; damaged heads.
-pub fn check(messages: &[u8], file_bytes: u64) -> Result<(), Vec<Fault>> {
-    let mut budget = Budget::of_file(file_bytes);
+pub fn check(messages: &[u8], budget: &mut Budget) -> Result<(), Vec<Fault>> {
     let mut rest = messages;
     while let Some((head, after)) = split_head(rest) {
         let message = root_as_message(head).map_err(damaged)?;

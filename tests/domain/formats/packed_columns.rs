@@ -100,6 +100,16 @@ fn every_codec_gives_the_same_dataset() {
     }
 }
 
+/// Polars leaves out the length of the schema's message: only the footer says where batches are.
+#[test]
+fn the_footer_of_a_file_says_where_its_batches_are() {
+    let wanted = read("csv", TEXT).expect("the text is sound").dataset;
+    let mut bytes = arrow(&table(), None);
+    bytes[8..24].fill(0xa5);
+    let found = read("arrow", bytes).expect("nobody reads the schema's message");
+    assert_eq!(found.dataset, wanted);
+}
+
 fn refused(format: &str, bytes: &[u8], code: &str, words: &str) {
     let faults = read(format, bytes).expect_err("the file is a bomb");
     let told = (
