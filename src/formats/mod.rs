@@ -43,7 +43,7 @@ pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};
 pub use out::{WRITERS, WriteError, Writer, writer_named};
 pub use reading::{Identity, Reading, SensorSite};
-pub use table::degrees;
+pub use table::{degrees, named_pose};
 pub use told::detect_format;
 
 use crate::model::dataset::{Dataset, DatasetKind};

@@ -151,6 +151,13 @@ const MEASURED: [usize; 7] = [
     RANGE_RATE_MPS,
 ];
 
+/// What a sensor of a session takes besides places and directions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Takes {
+    pub range_rates: bool,
+    pub velocities: bool,
+}
+
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PushedDetection {
     pub detection_id: Option<String>,
@@ -185,6 +192,41 @@ impl PushedDetection {
         values[ELEVATION_DEG] = measurement.elevation_rad().map(degrees);
         values[AMPLITUDE] = detection.amplitude;
         pushed
+    }
+
+    /// The same with what a detection has of its own, a time among it where that is given, and what else a sensor takes.
+    #[must_use]
+    pub fn with_own(
+        mut self,
+        detection: &Detection,
+        (own, time_s): (&Own, Option<f64>),
+        takes: Takes,
+    ) -> Self {
+        let values = &mut self.values;
+        values[TIME_S] = time_s;
+        if let Some(velocity_mps) = own.velocity_mps.filter(|_| takes.velocities) {
+            let [east, north] = velocity_mps.map(Some);
+            (values[VX_MPS], values[VY_MPS]) = (east, north);
+        }
+        if takes.range_rates {
+            values[RANGE_RATE_MPS] = range_rate_mps(&detection.measurement);
+        }
+        for (index, value) in own.noise.values().into_iter().enumerate() {
+            let is_angle = OwnNoise::NAMES[index].ends_with("_deg");
+            values[NOISES + index] =
+                value.map(|value| if is_angle { degrees(value) } else { value });
+        }
+        self
+    }
+
+    /// What was measured alone, without range rate, velocity, time and noises.
+    #[must_use]
+    pub fn without_own(mut self) -> Self {
+        for index in [TIME_S, RANGE_RATE_MPS, VX_MPS, VY_MPS] {
+            self.values[index] = None;
+        }
+        self.values[NOISES..].fill(None);
+        self
     }
 
     /// The measured values that are given.
@@ -317,6 +359,14 @@ impl PushedDetection {
                 elevation_rad,
             },
         })
+    }
+}
+
+fn range_rate_mps(measurement: &Measurement) -> Option<f64> {
+    match *measurement {
+        Measurement::RangeBearing { range_rate_mps, .. }
+        | Measurement::RangeBearingElevation { range_rate_mps, .. } => range_rate_mps,
+        _ => None,
     }
 }
 

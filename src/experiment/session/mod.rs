@@ -23,11 +23,12 @@ mod trails;
 mod written;
 
 pub use checking::{Checked, Checking};
-pub use detection::PushedDetection;
+pub use detection::{PushedDetection, Takes};
 pub use entry::{Entry, PUSHED_SCAN, PushedScan};
 pub use events::{SessionEvent, SessionEventKind};
 pub use hand::{HAND_TRACK, HandTrack, read_track};
 pub use picture::{SeenScan, SensorPlace, SessionPicture, TrackWay};
+pub use pose::PushedPose;
 pub use reading::{checked_scan, read_scan};
 pub use recording::SessionRecording;
 pub use scene::Scene;

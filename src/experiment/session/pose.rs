@@ -2,6 +2,7 @@
 
 use super::named;
 use crate::experiment::request::fields::{BEARING, PLACE, VELOCITY};
+use crate::formats::named_pose;
 use crate::geodesy::Stereographic;
 use crate::model::fault::Fault;
 use crate::model::pose::Pose;
@@ -113,6 +114,13 @@ impl PushedPose {
             }
             _ => Err(missing()),
         }
+    }
+
+    /// As a recording has it.
+    pub fn of(pose: &Pose) -> Self {
+        let mut values = [None; NAMES.len()];
+        values[..Pose::NAMES.len()].copy_from_slice(&named_pose(pose));
+        PushedPose(values)
     }
 
     pub fn pose(&self) -> Pose {

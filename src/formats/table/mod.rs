@@ -19,6 +19,7 @@ mod truth;
 mod units;
 
 pub use degrees::degrees;
+pub use detections::named_pose;
 pub use fault_log::FaultLog;
 pub use header::pointer_token;
 pub use interner::Interner;

@@ -89,8 +89,8 @@ impl PoseColumns {
     }
 }
 
-/// The cells of a pose.
-fn cells(pose: &Pose) -> [Option<f64>; COLUMNS.len()] {
+/// The cells of a pose, in the order of [`Pose::NAMES`].
+pub fn cells(pose: &Pose) -> [Option<f64>; COLUMNS.len()] {
     let attitude = pose.attitude.unwrap_or_default();
     let (place, velocity, sigmas) = (&pose.place, &pose.velocity, &pose.sigmas);
     let turned = |angle_rad: f64| pose.attitude.map(|_| degrees(angle_rad));

@@ -1,6 +1,6 @@
 //! What a feed asks of the service. A service that is away, starts or is busy is asked again.
 
-use crate::experiment::session::{EntryFate, SensorHeard};
+use crate::experiment::session::{EntryFate, SensorHeard, Takes};
 use crate::model::fault::Fault;
 use crate::model::space::Frame;
 use anyhow::{Context, anyhow, bail};
@@ -41,6 +41,10 @@ pub(super) struct SessionRequest {
 #[derive(Deserialize)]
 struct ListedSensor {
     sensor_id: String,
+    x_m: Option<f64>,
+    lat_deg: Option<f64>,
+    sigma_range_rate_mps: Option<f64>,
+    sigma_speed_mps: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -93,6 +97,19 @@ impl SessionSeen {
     pub fn sensor_ids(&self) -> Vec<String> {
         let listed = self.request.sensors.iter();
         listed.map(|sensor| sensor.sensor_id.clone()).collect()
+    }
+
+    /// What a sensor takes besides places and directions, and whether it says where it is: one that the session places does not.
+    pub fn takes(&self, sensor_id: &str) -> (Takes, bool) {
+        let mut listed = self.request.sensors.iter();
+        let Some(sensor) = listed.find(|sensor| sensor.sensor_id == sensor_id) else {
+            return (Takes::default(), false);
+        };
+        let takes = Takes {
+            range_rates: sensor.sigma_range_rate_mps.is_some(),
+            velocities: sensor.sigma_speed_mps.is_some(),
+        };
+        (takes, sensor.x_m.is_none() && sensor.lat_deg.is_none())
     }
 
     /// What was heard of a sensor: its greatest number, and its latest time.

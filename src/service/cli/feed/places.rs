@@ -16,7 +16,8 @@ impl Places {
     /// Number of the line or record of a detection; `None` of formats that are read as a whole only.
     pub fn unit_of(&self, wanted: &PushedDetection) -> Option<u64> {
         let mut search = Search {
-            wanted,
+            // Pieces are read without what a detection has of its own.
+            wanted: wanted.clone().without_own(),
             found: None,
         };
         let mut arrivals = Whole(Some(self.bytes.clone()));
@@ -39,17 +40,17 @@ impl Arrivals for Whole {
     }
 }
 
-struct Search<'w> {
-    wanted: &'w PushedDetection,
+struct Search {
+    wanted: PushedDetection,
     found: Option<u64>,
 }
 
-impl Listener for Search<'_> {
+impl Listener for Search {
     fn report(&mut self, report: LiveReport) {
         let Some(detection) = report.detection.filter(|_| self.found.is_none()) else {
             return;
         };
-        if PushedDetection::of(report.detection_id, &detection) == *self.wanted {
+        if PushedDetection::of(report.detection_id, &detection) == self.wanted {
             self.found = Some(report.unit);
         }
     }

@@ -7,11 +7,11 @@ use super::pusher::MOST_SCANS;
 use super::ready::{Ready, is_scan, read_scan};
 use super::sensors::Mapping;
 use super::{Feeding, Speed, no_origin};
-use crate::experiment::session::{PushedDetection, PushedScan};
+use crate::experiment::session::{PushedDetection, PushedPose, PushedScan, Takes};
 use crate::formats::{self, ReadOutcome};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::model::scan::{Measurement, Recording, RecordingParts};
+use crate::model::scan::{Measurement, Recording, RecordingParts, Scan};
 use crate::model::units::{Reason, Units};
 use crate::service::cli::run::Trouble;
 use anyhow::Context;
@@ -112,10 +112,7 @@ fn scans_of_dataset(
     if recording.frame.is_some() && has_places && !is_placed {
         return Err(no_origin().into());
     }
-    if recording.scans.iter().any(|scan| scan.pose.is_some()) {
-        eprintln!("warning: the file says where its sensors were, which is not pushed");
-    }
-    let scans = scans_of(recording, &mut feeding.mapping, &mut units)?;
+    let scans = scans_of(recording, feeding, &mut units)?;
     Ok((not_heard(scans, &feeding.session)?, units))
 }
 
@@ -148,38 +145,61 @@ fn names_of(
 /// Scans as they are pushed, numbered from 1 for each sensor.
 fn scans_of(
     recording: Recording,
-    mapping: &mut Mapping,
+    feeding: &mut Feeding,
     units: &mut Units,
 ) -> Result<Vec<Ready>, Vec<Fault>> {
-    let parts = recording.into_parts();
-    if parts.scans.is_empty() {
+    if recording.scans.is_empty() {
         return Ok(Vec::new());
     }
-    let names = names_of(&parts, mapping)?;
-    let mut ids = parts.detection_ids.into_iter();
+    let names = names_of(&recording, &mut feeding.mapping)?;
     let mut numbers: BTreeMap<&str, u64> = BTreeMap::new();
-    let mut scans = Vec::with_capacity(parts.scans.len());
-    for scan in &parts.scans {
-        let of_scan: Vec<String> = ids.by_ref().take(scan.detections.len()).collect();
+    let mut scans = Vec::with_capacity(recording.scans.len());
+    let mut unsaid = false;
+    for (first, scan) in recording.scans_with_firsts() {
         let Some(name) = names[scan.sensor].as_deref() else {
-            units.ignore_used("sensor unknown", of_scan.len() as u64);
+            units.ignore_used("sensor unknown", scan.detections.len() as u64);
             continue;
         };
         let number = numbers.entry(name).or_default();
         *number += 1;
-        let of_scan = scan.detections.iter().zip(of_scan);
-        let detections = of_scan.map(|(detection, id)| PushedDetection::of(id, detection));
-        let scan = PushedScan {
+        let (takes, moves) = feeding.session.takes(name);
+        unsaid |= scan.pose.is_some() && !moves;
+        let pushed = PushedScan {
             sensor_id: name.to_owned(),
             sequence: Some(*number),
             time_s: scan.time_s,
             heartbeat: false,
-            pose: None,
-            detections: detections.collect(),
+            pose: scan.pose.as_ref().filter(|_| moves).map(PushedPose::of),
+            detections: detections_of((&recording, first), scan, takes),
         };
-        scans.push(Ready { scan, unit: 0 });
+        scans.push(Ready {
+            scan: pushed,
+            unit: 0,
+        });
+    }
+    if unsaid {
+        eprintln!(
+            "warning: the file says where its sensors were, and the session says it, too: that of the session counts"
+        );
     }
     Ok(scans)
+}
+
+/// The detections of a scan, of which the first has this index.
+fn detections_of(
+    (recording, first): (&Recording, usize),
+    scan: &Scan,
+    takes: Takes,
+) -> Vec<PushedDetection> {
+    let has_times = scan.own.iter().any(|own| own.after_s != 0.0);
+    let mut pushed = Vec::with_capacity(scan.detections.len());
+    for (index, detection) in scan.detections.iter().enumerate() {
+        let own_s = recording.beside.times_s.get(first + index).copied();
+        let id = recording.detection_ids[first + index].clone();
+        let own = (&scan.own_of(index), own_s.filter(|_| has_times));
+        pushed.push(PushedDetection::of(id, detection).with_own(detection, own, takes));
+    }
+    pushed
 }
 
 /// The scans that the session does not have. It has those up to its latest time, where that is of a scan of the file; a file that is
