@@ -116,14 +116,18 @@ fn footer_of(bytes: &[u8]) -> Result<&[u8], ArrowError> {
 
 /// The head of a block and its body.
 fn message_of(bytes: &Buffer, block: &Block) -> Result<Buffer, ArrowError> {
+    let span =
+        span_of(block).filter(|(start, length)| *length <= bytes.len().saturating_sub(*start));
     let outside = || ArrowError::ParseError("a batch lies outside of the file".to_owned());
-    let number = |value: i64| usize::try_from(value).map_err(|_| outside());
-    let start = number(block.offset())?;
-    let head = number(i64::from(block.metaDataLength()))?;
-    let length = head.checked_add(number(block.bodyLength())?);
-    let length = length.ok_or_else(outside)?;
-    match start.checked_add(length) {
-        Some(end) if end <= bytes.len() => Ok(bytes.slice_with_length(start, length)),
-        _ => Err(outside()),
-    }
+    let (start, length) = span.ok_or_else(outside)?;
+    Ok(bytes.slice_with_length(start, length))
+}
+
+/// Where a block begins, and how long it is.
+fn span_of(block: &Block) -> Option<(usize, usize)> {
+    let length = i64::from(block.metaDataLength()).checked_add(block.bodyLength())?;
+    Some((
+        usize::try_from(block.offset()).ok()?,
+        usize::try_from(length).ok()?,
+    ))
 }
