@@ -70,12 +70,9 @@ pub fn write_csv(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
     if let Dataset::BearingTime(record) = dataset {
         return bearing_time::write(record, out);
     }
-    let mut sink = CsvSink {
-        writer: csv::Writer::from_writer(out),
-        number: String::new(),
-    };
+    let mut sink = CsvSink::new(out);
     table::write(dataset, &mut sink)?;
-    sink.writer.flush()
+    sink.flush()
 }
 
 struct CsvRows<'a> {
@@ -274,10 +271,23 @@ impl Rows for CsvRows<'_> {
     }
 }
 
-struct CsvSink<'a> {
+pub(super) struct CsvSink<'a> {
     writer: csv::Writer<&'a mut dyn Write>,
     /// Reused for each number.
     number: String,
+}
+
+impl<'a> CsvSink<'a> {
+    pub fn new(out: &'a mut dyn Write) -> Self {
+        CsvSink {
+            writer: csv::Writer::from_writer(out),
+            number: String::new(),
+        }
+    }
+
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
 }
 
 impl Sink for CsvSink<'_> {

@@ -11,6 +11,7 @@ mod clock;
 mod columnar;
 pub mod csv;
 mod csv_lines;
+mod csv_pieces;
 mod dialect;
 mod disorder;
 pub mod feed;
@@ -38,6 +39,7 @@ mod told;
 
 pub use self::csv::write_csv;
 pub use clock::read_instant;
+pub use csv_pieces::DetectionsCsv;
 pub use json::write_json;
 pub use mot::write_mot;
 pub use options::{FormatOptions, OPTION_FIELDS};

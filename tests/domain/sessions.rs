@@ -7,11 +7,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::experiment::session::{
-    Checked, Entry, EntryFate, Scene, Session, SessionEventKind, SessionRecording, read_scan,
+    Checked, Entry, EntryFate, LatePolicy, Scene, Session, SessionEventKind, SessionRecording,
+    read_scan,
 };
 use trackloom_domain::experiment::{self, Input, JobKind};
-use trackloom_domain::formats::{ReadOptions, format_named};
+use trackloom_domain::formats::{DetectionsCsv, ReadOptions, format_named, write_csv};
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};
+use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::track::TrackSet;
 
 const ID: &str = "0198c0de-0000-7000-8000-000000000000";
@@ -96,13 +98,27 @@ pub fn push(session: &mut Session, scan: &Value) -> EntryFate {
     }
 }
 
+/// Pieces of a recording as one table.
+pub fn table_of(pieces: &[Recording]) -> Vec<u8> {
+    let (mut table, mut text) = (DetectionsCsv::default(), Vec::new());
+    for piece in pieces {
+        table.look(piece);
+    }
+    table.begin(&mut text).unwrap();
+    for piece in pieces {
+        table.write(piece, &mut text).unwrap();
+    }
+    text
+}
+
 /// The tracks of the job on what was recorded.
 pub fn tracks_of_job(scene: &Arc<Scene>, scans: &[Value]) -> TrackSet {
-    let mut recording = SessionRecording::new(scene.clone());
+    let (mut recording, mut pieces) = (SessionRecording::new(scene.clone()), Vec::new());
     for scan in scans {
-        recording.add(entry(scan, scene)).unwrap();
+        pieces.extend(recording.add(entry(scan, scene)).unwrap());
     }
-    let text = recording.into_csv().unwrap();
+    pieces.push(recording.end().unwrap());
+    let text = table_of(&pieces);
     let options = ReadOptions {
         kind: Some(DatasetKind::Detections),
         ..ReadOptions::default()
@@ -417,4 +433,55 @@ fn tracks_are_told_for_a_time_ahead_and_where_they_are_on_the_earth() {
         assert_eq!(history.points.last().unwrap().point, *from);
     }
     assert!(now.len() >= 6);
+}
+
+#[test]
+fn a_long_session_is_recorded_in_pieces_that_are_its_scans_in_order() {
+    let policies = [
+        json!({}),
+        json!({"late": "wait", "delay_s": 6.0}),
+        json!({"late": "replay", "window_s": 9.0}),
+    ];
+    for more in policies {
+        let scene = scene(more.clone());
+        let mut late = scans(5000, 3);
+        for index in (5..4990).step_by(11) {
+            late.swap(index, index + 2);
+        }
+        let (mut recording, mut pieces) = (SessionRecording::new(scene.clone()), Vec::new());
+        for scan in &late {
+            pieces.extend(recording.add(entry(scan, &scene)).unwrap());
+        }
+        pieces.push(recording.end().unwrap());
+        assert!(pieces.len() >= 4, "{more}: {}", pieces.len());
+        let text = table_of(&pieces);
+        let options = ReadOptions {
+            kind: Some(DatasetKind::Detections),
+            ..ReadOptions::default()
+        };
+        let read = (format_named("csv").unwrap().read)(&mut &text[..], &options).unwrap();
+        assert_eq!(read.warnings, Vec::<String>::new(), "{more}");
+        let Dataset::Detections(whole) = &read.dataset else {
+            panic!("not detections");
+        };
+        // Of each of 454 swaps two scans come late; with `wait` one does, when both sensors were heard since.
+        let dropped = match scene.rules().late {
+            LatePolicy::Drop => 2 * 454,
+            LatePolicy::Wait => 454,
+            LatePolicy::Replay => 0,
+        };
+        assert_eq!(whole.scans.len(), 5000 - dropped, "{more}");
+        assert!(
+            whole
+                .scans
+                .windows(2)
+                .all(|pair| pair[0].time_s < pair[1].time_s)
+        );
+        let mut again = Vec::new();
+        write_csv(&read.dataset, &mut again).unwrap();
+        assert!(
+            again == text,
+            "{more}: it is not the canonical table of its scans"
+        );
+    }
 }

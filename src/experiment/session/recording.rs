@@ -1,21 +1,26 @@
-//! A session as a recording: the scans that its tracker took, in their order.
+//! A session as a recording: the scans that its tracker took, in their order, piece by piece.
 
 use super::entry::Entry;
-use super::line::{Kept, Line};
+use super::line::{Kept, Key, Line};
 use super::scene::Scene;
-use super::{EntryFate, Session};
-use crate::formats::write_csv;
+use super::{EntryFate, LatePolicy, Session};
 use crate::model::beside::Beside;
-use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::scan::{Recording, RecordingParts};
 use crate::model::sensor::SensorSettings;
+use std::cmp::Ordering;
 use std::sync::Arc;
+
+/// Scans after which it is looked which of them have their place.
+const PIECE: usize = 1024;
 
 /// Reads a session's log anew, without tracking, to find which scans count.
 pub struct SessionRecording {
     session: Session,
-    taken: Vec<Kept>,
+    /// Scans before which others may still come.
+    open: Vec<Kept>,
+    /// Scans that have their place.
+    scans: u32,
 }
 
 impl SessionRecording {
@@ -24,15 +29,16 @@ impl SessionRecording {
         session.line = Line::untracked();
         SessionRecording {
             session,
-            taken: Vec::new(),
+            open: Vec::new(),
+            scans: 0,
         }
     }
 
-    /// Takes the next entry of the log.
+    /// Takes the next entry of the log, and gives now and then the scans that have their place.
     ///
     /// # Errors
     /// None that a session that took it did not have.
-    pub fn add(&mut self, entry: Entry) -> Result<(), Box<Fault>> {
+    pub fn add(&mut self, entry: Entry) -> Result<Option<Recording>, Vec<Fault>> {
         let kept = match &entry {
             Entry::Scan(scan) if !scan.heartbeat => {
                 let sensor = self.session.scene.sensor_index(&scan.sensor_id);
@@ -41,37 +47,57 @@ impl SessionRecording {
             }
             _ => None,
         };
-        let fate = self.session.take(entry)?;
+        let fate = self.session.take(entry).map_err(|fault| vec![*fault])?;
         let counts = !matches!(fate, EntryFate::LateDropped | EntryFate::Duplicate);
-        self.taken.extend(kept.filter(|_| counts));
-        Ok(())
+        self.open.extend(kept.filter(|_| counts));
+        if self.open.len() < PIECE {
+            return Ok(None);
+        }
+        self.sort();
+        let placed = self.open.partition_point(|kept| self.is_placed(kept.key()));
+        let rest = self.open.split_off(placed);
+        let placed = std::mem::replace(&mut self.open, rest);
+        (!placed.is_empty())
+            .then(|| self.piece(&placed))
+            .transpose()
     }
 
-    /// Scans that count so far.
-    pub fn scans(&self) -> usize {
-        self.taken.len()
-    }
-
-    /// The recording as canonical CSV.
+    /// The last scans: no entry follows.
     ///
     /// # Errors
     /// What no recording has, which a session refused before.
-    pub fn into_csv(self) -> Result<Vec<u8>, Vec<Fault>> {
-        let recording = Dataset::Detections(self.into_recording()?);
-        let mut text = Vec::new();
-        write_csv(&recording, &mut text).map_err(|error| {
-            let detail = format!("the recording cannot be written: {error}");
-            vec![Fault::new("", "malformed", detail)]
-        })?;
-        Ok(text)
+    pub fn end(&mut self) -> Result<Recording, Vec<Fault>> {
+        self.sort();
+        let rest = std::mem::take(&mut self.open);
+        self.piece(&rest)
     }
 
-    fn into_recording(mut self) -> Result<Recording, Vec<Fault>> {
-        self.taken.sort_by(|one, other| {
+    /// Scans that have their place so far.
+    pub fn scans(&self) -> u32 {
+        self.scans
+    }
+
+    fn sort(&mut self) {
+        self.open.sort_by(|one, other| {
             one.key()
                 .partial_cmp(&other.key())
-                .unwrap_or(std::cmp::Ordering::Equal)
+                .unwrap_or(Ordering::Equal)
         });
+    }
+
+    /// Whether no scan comes before it any more.
+    fn is_placed(&self, key: Key) -> bool {
+        let (rules, last) = (self.session.scene.rules(), self.session.line.last);
+        match rules.late {
+            LatePolicy::Drop => true,
+            LatePolicy::Wait => self.session.line.is_late(key),
+            LatePolicy::Replay => {
+                last.is_some_and(|last| last.time_s - key.time_s > rules.window_s)
+            }
+        }
+    }
+
+    fn piece(&mut self, placed: &[Kept]) -> Result<Recording, Vec<Fault>> {
         let scene = &self.session.scene;
         let mut parts = RecordingParts {
             frame: scene.frame(),
@@ -80,17 +106,17 @@ impl SessionRecording {
                 .iter()
                 .map(SensorSettings::named)
                 .collect(),
+            beside: times_of(placed),
             ..RecordingParts::default()
         };
-        for (kept, number) in self.taken.iter().zip(1..) {
-            let scan = &kept.scan;
+        for Kept { sensor, scan } in placed {
+            self.scans += 1;
             let ids = 0..scan.detections.len();
             parts
                 .detection_ids
                 .extend(ids.map(|index| scan.detection_id(index)));
-            parts.scans.push(scan.scan(number, kept.sensor));
+            parts.scans.push(scan.scan(self.scans, *sensor));
         }
-        parts.beside = times_of(&self.taken);
         Recording::new(parts)
     }
 }

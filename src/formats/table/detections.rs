@@ -11,7 +11,7 @@ mod write;
 pub use live::follow;
 pub use own::{COLUMNS as OWN_COLUMNS, VELOCITY as OWN_VELOCITY};
 pub use poses::{COLUMNS as POSE_COLUMNS, PLACE as POSE_PLACE, cells as named_pose};
-pub use write::write;
+pub use write::{Layout, write, write_rows};
 
 use super::ground::Ground;
 use super::header::Header;

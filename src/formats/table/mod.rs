@@ -19,7 +19,7 @@ mod truth;
 mod units;
 
 pub use degrees::degrees;
-pub use detections::named_pose;
+pub use detections::{Layout, named_pose, write_rows};
 pub use fault_log::FaultLog;
 pub use header::pointer_token;
 pub use interner::Interner;

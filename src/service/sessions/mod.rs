@@ -6,6 +6,7 @@ mod live;
 mod log;
 mod picture;
 mod recording;
+mod table;
 mod told;
 
 use super::datasets::Datasets;

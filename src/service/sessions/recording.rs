@@ -2,24 +2,19 @@
 
 use super::Sessions;
 use super::live::Live;
-use crate::experiment::session::{Entry, Scene, SessionRecording};
+use super::table::{Looking, Writing};
+use crate::experiment::session::Scene;
 use crate::formats::FormatOptions;
 use crate::model::dataset::DatasetKind;
-use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use crate::service::datasets::{DatasetMeta, ReceivedFile};
+use crate::service::datasets::DatasetMeta;
 use crate::service::error::ServiceError;
-use crate::service::storage::blobs::sha256_hex;
 use crate::service::storage::{SessionEnd, StoredSession};
 use crate::service::types::{DatasetInfo, SessionInfo, SessionState};
 use anyhow::Context;
 use serde_json::{Value, json};
-use std::path::PathBuf;
 use std::sync::Arc;
 use uuid::Uuid;
-
-/// Scans of a recording that a session can become.
-const MOST_RECORDED: usize = 1_000_000;
 
 impl Sessions {
     /// The scans so far as a dataset of detections.
@@ -34,15 +29,14 @@ impl Sessions {
     ) -> Result<(DatasetInfo, bool), ServiceError> {
         let scene = Arc::new(Scene::plan(&stored.spec).map_err(ServiceError::Invalid)?);
         let sensors = scene.recorded_sensors.clone();
-        let recording = SessionRecording::new(scene);
-        let (recording, _) = self.read_log(stored.id, 0, recording, add_to).await?;
-        if recording.scans() == 0 {
-            let detail = "the session has no scans";
-            return Err(ServiceError::Invalid(vec![Fault::new("", "empty", detail)]));
-        }
+        // A table begins with its columns, which are known at its end: the log is read twice, and never held.
+        let looking = Looking::new(scene.clone());
+        let (looking, entries) = self.read_log(stored.id, 0, looking, Looking::take).await?;
+        let table = looking.end()?;
         let path = self.datasets.temp_dir().join(Uuid::now_v7().to_string());
-        let work = move || write(recording, path);
-        let file = tokio::task::spawn_blocking(work).await;
+        let writing = Writing::begin(scene, table, entries, path)?;
+        let (writing, _) = self.read_log(stored.id, 0, writing, Writing::take).await?;
+        let file = tokio::task::spawn_blocking(move || writing.end()).await;
         let file = file.context("writing a recording panicked")??;
         self.datasets.add(file, meta_of(stored, sensors)).await
     }
@@ -101,28 +95,6 @@ fn ids_of(live: &Live) -> Option<Vec<String>> {
     // A tracker that cannot go on has failed before.
     session.finish().ok()?;
     session.is_by_rule().then(|| session.confirmed_track_ids())
-}
-
-fn add_to(recording: &mut SessionRecording, entry: Entry) -> Result<(), ServiceError> {
-    let added = recording.add(entry);
-    added.map_err(|fault| ServiceError::Invalid(vec![*fault]))?;
-    if recording.scans() > MOST_RECORDED {
-        let detail = format!("the session has more than {MOST_RECORDED} scans");
-        let fault = Fault::new("", "too_large", detail);
-        return Err(ServiceError::Invalid(vec![fault]));
-    }
-    Ok(())
-}
-
-fn write(recording: SessionRecording, path: PathBuf) -> anyhow::Result<ReceivedFile> {
-    let faults = |faults: Vec<Fault>| anyhow::anyhow!("no recording: {faults:?}");
-    let bytes = recording.into_csv().map_err(faults)?;
-    std::fs::write(&path, &bytes)?;
-    Ok(ReceivedFile {
-        sha256: sha256_hex(&bytes),
-        bytes: bytes.len() as u64,
-        path,
-    })
 }
 
 /// What the dataset of a session says of itself.

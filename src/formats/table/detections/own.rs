@@ -102,6 +102,14 @@ impl OwnLayout {
         layout
     }
 
+    /// Needs what another needs, too.
+    pub fn join(&mut self, other: &OwnLayout) {
+        self.velocity |= other.velocity;
+        for (needed, other) in self.noise.iter_mut().zip(other.noise) {
+            *needed |= other;
+        }
+    }
+
     pub fn columns(&self) -> impl Iterator<Item = &'static str> {
         let needed = self.noise;
         let noise = COLUMNS.into_iter().zip(needed).filter(|(_, is)| *is);

@@ -133,6 +133,13 @@ impl PoseLayout {
         PoseLayout(needed)
     }
 
+    /// Needs what another needs, too.
+    pub fn join(&mut self, other: &PoseLayout) {
+        for (needed, other) in self.0.iter_mut().zip(other.0) {
+            *needed |= other;
+        }
+    }
+
     pub fn columns(&self) -> impl Iterator<Item = &'static str> {
         let needed = self.0;
         let columns = COLUMNS.into_iter().zip(needed);

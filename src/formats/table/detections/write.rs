@@ -18,10 +18,16 @@ use std::io;
 pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     let layout = Layout::for_recording(recording);
     let mut columns = layout.columns();
-    columns.extend(layout.own.columns());
-    columns.extend(layout.pose.columns());
     columns.extend(recording.beside.attributes.keys());
     sink.begin(&columns)?;
+    write_rows(recording, layout, sink)
+}
+
+/// Writes the rows under a header of these columns.
+///
+/// # Errors
+/// What the output says.
+pub fn write_rows(recording: &Recording, layout: Layout, sink: &mut dyn Sink) -> io::Result<()> {
     let plane = recording.frame.map(Stereographic::from);
     for (first, scan) in recording.scans_with_firsts() {
         if scan.detections.is_empty() {
@@ -50,7 +56,7 @@ pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
 
 /// Which optional columns a recording needs.
 #[derive(Clone, Copy)]
-struct Layout {
+pub struct Layout {
     position: bool,
     range: bool,
     bearing: bool,
@@ -67,7 +73,23 @@ struct Layout {
 }
 
 impl Layout {
-    fn for_recording(recording: &Recording) -> Self {
+    /// Needs what another needs, too.
+    pub fn join(&mut self, other: &Layout) {
+        self.position |= other.position;
+        self.range |= other.range;
+        self.bearing |= other.bearing;
+        self.elevation |= other.elevation;
+        self.range_rate |= other.range_rate;
+        self.amplitude |= other.amplitude;
+        self.origin |= other.origin;
+        self.z |= other.z;
+        self.earth |= other.earth;
+        self.height |= other.height;
+        self.own.join(&other.own);
+        self.pose.join(&other.pose);
+    }
+
+    pub fn for_recording(recording: &Recording) -> Self {
         let has = |wanted: fn(&Measurement) -> bool| {
             recording
                 .detections()
@@ -97,7 +119,8 @@ impl Layout {
         }
     }
 
-    fn columns(self) -> Vec<&'static str> {
+    /// Attributes not among them.
+    pub fn columns(self) -> Vec<&'static str> {
         let mut columns = vec!["time_s", "scan", "sensor_id", "detection_id"];
         columns.extend(
             self.position
@@ -119,6 +142,8 @@ impl Layout {
                 .flatten(),
         );
         columns.extend(self.height.then_some("height_m"));
+        columns.extend(self.own.columns());
+        columns.extend(self.pose.columns());
         columns
     }
 }
