@@ -330,6 +330,43 @@ test("a page survives a restart of the service, and goes on with the session", a
   await service.stop();
 });
 
+test("a session elsewhere is told and asked for again; a failed one says why", async () => {
+  const id = await begun();
+  await pushed(id, 0, 3);
+  const page = await opened(id);
+  await page.locator(".clock-text").getByText("scan 3").waitFor();
+  const detail = "the session is served by 10.0.0.7:8080; ask there";
+  const problem = { type: "/problems/session_elsewhere", title: "Elsewhere", status: 409, detail };
+  await page.route("**/picture*", (route) =>
+    route.fulfill({
+      status: 409,
+      contentType: "application/problem+json",
+      body: JSON.stringify({ ...problem, code: "session_elsewhere" }),
+    }),
+  );
+  await pushed(id, 3, 4);
+  await page.getByText(`${detail}. Shown as of`).waitFor();
+  assert.match(await page.locator(".clock-text").innerText(), /scan [34]/, "the picture stays");
+  await page.unroute("**/picture*");
+  await page.locator(".stale").waitFor({ state: "detached" });
+  await page.locator(".clock-text").getByText("scan 4").waitFor();
+  allowRefusals(page, 409);
+  const session = await api(`/v1/sessions/${id}`);
+  const fault = {
+    pointer: "",
+    code: "too_large",
+    detail: "more hypotheses than a tracker may hold",
+  };
+  await page.route(`**/v1/sessions/${id}`, (route) =>
+    route.fulfill({ json: { ...session, state: "failed", fault, live: undefined } }),
+  );
+  await page.reload();
+  await page.getByRole("heading", { name: "The session failed" }).waitFor();
+  await page.getByText(fault.detail).waitFor();
+  assert.equal(await page.getByRole("button", { name: "Close the session" }).count(), 0);
+  await closePage(page);
+});
+
 test("axe finds nothing serious, in both themes and on a phone, and nothing sticks out", async () => {
   const id = await begun();
   await pushed(id, 0, 12);

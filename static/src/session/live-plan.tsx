@@ -268,6 +268,9 @@ function keyOf({ plan, size }: LiveView, palette: Palette): KeyMark[] {
     { name: "confirmed", color: palette.track, look: "solid", symbol: "circle" },
     { name: "coasted", color: palette.track, look: "solid", symbol: "emptyCircle" },
     { name: "tentative", color: palette.tentative, look: "solid", symbol: "emptyCircle" },
+    ...(plan.moment?.tracks.some((track) => track.existence !== undefined)
+      ? [{ name: "existence", color: palette.track, look: "dot", symbol: "ring" } as KeyMark]
+      : []),
     ...(seconds
       ? [{ name: `velocity, ${number(seconds)} s`, color: palette.text, look: "solid" } as KeyMark]
       : []),

@@ -5,8 +5,8 @@ import { deepStrictEqual as same } from "node:assert";
 import { readFileSync } from "node:fs";
 import type { DatasetInfo, Job, Problem } from "./generated";
 import {
-  createAssociateJob,
   closeSession,
+  createAssociateJob,
   createJob,
   createSession,
   downloadDataset,
