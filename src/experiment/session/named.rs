@@ -26,6 +26,9 @@ pub fn serialize<S: Serializer>(
     map.end()
 }
 
+/// The text, and the numbers by their place among the names.
+pub type TextAndNumbers<const N: usize> = (Option<String>, [Option<f64>; N]);
+
 /// Reads what [`serialize`] wrote: the text of this name, and the numbers.
 ///
 /// # Errors
@@ -34,7 +37,7 @@ pub fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
     deserializer: D,
     text: Option<&'static str>,
     names: &'static [&'static str; N],
-) -> Result<(Option<String>, [Option<f64>; N]), D::Error> {
+) -> Result<TextAndNumbers<N>, D::Error> {
     deserializer.deserialize_map(Named { text, names })
 }
 
@@ -50,7 +53,7 @@ enum Place {
 }
 
 impl<'de, const N: usize> Visitor<'de> for Named<N> {
-    type Value = (Option<String>, [Option<f64>; N]);
+    type Value = TextAndNumbers<N>;
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         write!(formatter, "an object with {}", self.names.join(", "))

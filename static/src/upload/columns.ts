@@ -24,6 +24,7 @@ const ATTRIBUTES = [
   "callsign",
   "mode_a",
   "mode_c_ft",
+  "position_accuracy_m",
   "mmsi",
   "ship_name",
   "ship_type",

@@ -41,13 +41,13 @@ async fn live(client: &Client) -> Result<(), Refused> {
         "sensors": [{"sensor_id": "radar", "p_d": 0.95, "clutter_per_m2": 1e-9, "sigma_x_m": 10.0, "sigma_y_m": 10.0}],
         "tracker": {"initial_speed_sigma_mps": 60.0},
     }))?).await?.into_inner();
-    for index in 0..4 {
+    for index in 0..4_i32 {
         let scan = json!({
             "sensor_id": "radar", "sequence": index, "time_s": 2.0 * f64::from(index),
             "detections": [{"x_m": 100.0 * f64::from(index), "y_m": 5.0}],
         });
         let pushed = client.push_scans(&session.id, &serde_json::from_value(scan)?).await?.into_inner();
-        assert_eq!(pushed.entries, index as u64 + 1);
+        assert_eq!(pushed.entries, i64::from(index) + 1);
     }
     let live = client.list_session_tracks(&session.id, None).await?.into_inner();
     assert_eq!((live.tracks.len(), live.tracks[0].status.as_str()), (1, "confirmed"));
