@@ -17,7 +17,8 @@ const FIXED: [&str; 7] = [
 ];
 
 /// What the work of an operation is refused for, besides what its parameters and its body are refused for.
-const OF_WORK: [(&str, &[&str]); 30] = [
+const OF_WORK: [(&str, &[&str]); 33] = [
+    ("beginSessionTrack", SESSION),
     ("cancelJob", &["job_terminal"]),
     (
         "compareJobs",
@@ -40,7 +41,9 @@ const OF_WORK: [(&str, &[&str]); 30] = [
     ("getSessionPicture", SESSION),
     ("getSessionTrack", SESSION),
     ("listSessionTracks", SESSION),
+    ("pauseSession", SESSION),
     ("pushScans", SESSION_PUSH),
+    ("resumeSession", SESSION),
     ("streamSessionEvents", SESSION),
     ("downloadDataset", &["range_not_satisfiable"]),
     (
@@ -63,6 +66,7 @@ const NEW_JOB: &[&str] = &["idempotency_mismatch", "queue_full", "shutting_down"
 const SESSION: &[&str] = &["session_closed", "session_elsewhere", "session_full"];
 const SESSION_PUSH: &[&str] = &[
     "session_closed",
+    "session_paused",
     "session_elsewhere",
     "session_full",
     "unsupported_media_type",
