@@ -120,7 +120,7 @@ def push(server, data):
     print(f"push: {spread(pushed_ms)}")
     print(f"sync of as many bytes: {spread(synced_ms)}")
     closed = ask(connection, "POST", f"{path}/close")
-    while ask(connection, "GET", f"/v1/jobs/{closed['job_id']}?wait=30")["state"] in ("queued", "running"):
+    while ask(connection, "GET", f"/v1/jobs/{closed['job_id']}")["state"] in ("queued", "running"):
         pass
     report = ask(connection, "GET", f"/v1/jobs/{closed['job_id']}/report")
     print(f"the same as a job: {json.dumps(report['timing'])}")
@@ -152,7 +152,7 @@ def ten(server, data):
             body = {"seed": seed, "input": {"source": "preset", "preset": "liang2009-100"}}
             job = ask(own, "POST", "/v1/jobs/evaluate", json.dumps(body))
             while job["state"] in ("queued", "running"):
-                job = ask(own, "GET", f"/v1/jobs/{job['id']}?wait=30")
+                job = ask(own, "GET", f"/v1/jobs/{job['id']}")
             jobs.append(job)
 
     worker = threading.Thread(target=work)

@@ -1,5 +1,6 @@
 //! Checks a JSON value against its description, fills in defaults, and reports every fault with its JSON pointer.
 
+use super::place::Place;
 use super::{Bound, Field, Kind, Object, Presence, Union};
 use crate::model::fault::Fault;
 use serde_json::{Map, Value};
@@ -23,7 +24,7 @@ pub fn check(value: &Value, object: &'static Object) -> Result<Value, Vec<Fault>
 
 /// The same for callers with more to check: what could be read of the value, and every fault added to `faults`.
 pub fn check_into(value: &Value, object: &'static Object, faults: &mut Vec<Fault>) -> Value {
-    check_object(value, object, None, "", faults)
+    check_object(value, object, None, &Place::Pointer(""), faults)
 }
 
 /// The same for one value of the given kind at `pointer`.
@@ -33,21 +34,30 @@ pub fn check_field(
     pointer: &str,
     faults: &mut Vec<Fault>,
 ) -> Value {
+    check_value(value, kind, &Place::Pointer(pointer), faults)
+}
+
+fn check_value(
+    value: &Value,
+    kind: &'static Kind,
+    place: &Place,
+    faults: &mut Vec<Fault>,
+) -> Value {
     match kind {
-        Kind::Number { min, max, unit } => check_number(value, *min, *max, unit, pointer, faults),
-        Kind::Integer { min, max, .. } => check_integer(value, *min, *max, pointer, faults),
-        Kind::Text { max_length } => check_text(value, *max_length, pointer, faults),
-        Kind::Id => check_text(value, MAX_ID_LENGTH, pointer, faults),
-        Kind::Choice(names) => check_choice(value, names, pointer, faults),
-        Kind::Flag => expect_type(value, value.is_boolean(), "true or false", pointer, faults),
+        Kind::Number { min, max, unit } => check_number(value, *min, *max, unit, place, faults),
+        Kind::Integer { min, max, .. } => check_integer(value, *min, *max, place, faults),
+        Kind::Text { max_length } => check_text(value, *max_length, place, faults),
+        Kind::Id => check_text(value, MAX_ID_LENGTH, place, faults),
+        Kind::Choice(names) => check_choice(value, names, place, faults),
+        Kind::Flag => expect_type(value, value.is_boolean(), "true or false", place, faults),
         Kind::Json => value.clone(),
-        Kind::Object(object) => check_object(value, object, None, pointer, faults),
-        Kind::Union(union) => check_union(value, union, pointer, faults),
-        Kind::List { item, min, max } => check_list(value, item, (*min, *max), pointer, faults),
+        Kind::Object(object) => check_object(value, object, None, place, faults),
+        Kind::Union(union) => check_union(value, union, place, faults),
+        Kind::List { item, min, max } => check_list(value, item, (*min, *max), place, faults),
         Kind::TextMap {
             max_entries,
             max_length,
-        } => check_text_map(value, *max_entries, *max_length, pointer, faults),
+        } => check_text_map(value, *max_entries, *max_length, place, faults),
     }
 }
 
@@ -55,15 +65,15 @@ fn check_object(
     value: &Value,
     object: &'static Object,
     tag: Option<&str>,
-    pointer: &str,
+    place: &Place,
     faults: &mut Vec<Fault>,
 ) -> Value {
     let Value::Object(given) = value else {
-        return expect_type(value, false, "an object", pointer, faults);
+        return expect_type(value, false, "an object", place, faults);
     };
     let mut checked = Map::new();
     for field in object.fields {
-        check_member(given.get(field.name), field, pointer, &mut checked, faults);
+        check_member(given.get(field.name), field, place, &mut checked, faults);
     }
     for name in given.keys().filter(|name| {
         tag != Some(name.as_str())
@@ -79,7 +89,7 @@ fn check_object(
             .join(", ");
         faults.push(
             Fault::new(
-                join(pointer, name),
+                &Place::Member(place, name),
                 "unknown_field",
                 format!("unknown field '{name}'"),
             )
@@ -92,16 +102,16 @@ fn check_object(
 fn check_member(
     given: Option<&Value>,
     field: &'static Field,
-    pointer: &str,
+    place: &Place,
     checked: &mut Map<String, Value>,
     faults: &mut Vec<Fault>,
 ) {
-    let place = join(pointer, field.name);
+    let place = &Place::Member(place, field.name);
     match (given, &field.presence) {
         (Some(value), _) => {
             checked.insert(
                 field.name.to_owned(),
-                check_field(value, &field.kind, &place, faults),
+                check_value(value, &field.kind, place, faults),
             );
         }
         (None, Presence::Default(text)) => {
@@ -109,7 +119,7 @@ fn check_member(
                 .expect("defaults in the tables are JSON; a test reads them all");
             checked.insert(
                 field.name.to_owned(),
-                check_field(&value, &field.kind, &place, faults),
+                check_value(&value, &field.kind, place, faults),
             );
         }
         (None, Presence::Required) => faults.push(Fault::new(
@@ -124,11 +134,11 @@ fn check_member(
 fn check_union(
     value: &Value,
     union: &'static Union,
-    pointer: &str,
+    place: &Place,
     faults: &mut Vec<Fault>,
 ) -> Value {
     if !value.is_object() {
-        return expect_type(value, false, "an object", pointer, faults);
+        return expect_type(value, false, "an object", place, faults);
     }
     let variants = (union.variants)();
     let allowed = variants
@@ -136,10 +146,11 @@ fn check_union(
         .map(|variant| variant.tag)
         .collect::<Vec<_>>()
         .join(", ");
-    let place = join(pointer, union.tag);
+    let tag_place = &Place::Member(place, union.tag);
     let Some(tag) = value.get(union.tag) else {
         faults.push(
-            Fault::new(place, "missing", format!("'{}' is required", union.tag)).allowing(allowed),
+            Fault::new(tag_place, "missing", format!("'{}' is required", union.tag))
+                .allowing(allowed),
         );
         return Value::Null;
     };
@@ -149,7 +160,7 @@ fn check_union(
     else {
         faults.push(
             Fault::new(
-                place,
+                tag_place,
                 "unknown_value",
                 format!("unknown {} {tag}", union.tag),
             )
@@ -160,7 +171,7 @@ fn check_union(
     let mut tagged = Map::new();
     tagged.insert(union.tag.to_owned(), tag.clone());
     if let Value::Object(fields) =
-        check_object(value, variant.object, Some(union.tag), pointer, faults)
+        check_object(value, variant.object, Some(union.tag), place, faults)
     {
         tagged.extend(fields);
     }
@@ -172,11 +183,11 @@ fn check_number(
     min: Bound,
     max: Bound,
     unit: &str,
-    pointer: &str,
+    place: &Place,
     faults: &mut Vec<Fault>,
 ) -> Value {
     let Some(number) = value.as_f64().filter(|number| number.is_finite()) else {
-        return expect_type(value, false, "a number", pointer, faults);
+        return expect_type(value, false, "a number", place, faults);
     };
     let above = match min {
         Bound::None => true,
@@ -190,7 +201,7 @@ fn check_number(
     };
     if !(above && below) {
         let fault = Fault::new(
-            pointer,
+            place,
             "out_of_range",
             format!("{number} is outside the allowed range"),
         );
@@ -236,15 +247,15 @@ fn check_integer(
     value: &Value,
     min: i64,
     max: i64,
-    pointer: &str,
+    place: &Place,
     faults: &mut Vec<Fault>,
 ) -> Value {
     let Some(number) = value.as_i64() else {
-        return expect_type(value, false, "a whole number", pointer, faults);
+        return expect_type(value, false, "a whole number", place, faults);
     };
     if !(min..=max).contains(&number) {
         let fault = Fault::new(
-            pointer,
+            place,
             "out_of_range",
             format!("{number} is outside the allowed range"),
         );
@@ -253,18 +264,18 @@ fn check_integer(
     value.clone()
 }
 
-fn check_text(value: &Value, max_length: usize, pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn check_text(value: &Value, max_length: usize, place: &Place, faults: &mut Vec<Fault>) -> Value {
     if let Some(text) = value.as_str() {
-        check_length(text, max_length, pointer, faults);
-        faults.extend(control_character_fault(text, pointer));
+        check_length(text, max_length, place, faults);
+        faults.extend(control_character(text, place));
     }
-    expect_type(value, value.is_string(), "a text", pointer, faults)
+    expect_type(value, value.is_string(), "a text", place, faults)
 }
 
-fn check_length(text: &str, max_length: usize, pointer: &str, faults: &mut Vec<Fault>) {
+fn check_length(text: &str, max_length: usize, place: &Place, faults: &mut Vec<Fault>) {
     if text.chars().count() > max_length {
         faults.push(
-            Fault::new(pointer, "too_large", "the text is too long")
+            Fault::new(place, "too_large", "the text is too long")
                 .allowing(format!("at most {max_length} characters")),
         );
     }
@@ -272,6 +283,10 @@ fn check_length(text: &str, max_length: usize, pointer: &str, faults: &mut Vec<F
 
 /// The fault of a text with a character from U+0000 to U+001F: no name needs one, and no database keeps U+0000.
 pub fn control_character_fault(text: &str, pointer: &str) -> Option<Fault> {
+    control_character(text, &Place::Pointer(pointer))
+}
+
+fn control_character(text: &str, place: &Place) -> Option<Fault> {
     let (index, character) = text
         .chars()
         .enumerate()
@@ -282,47 +297,42 @@ pub fn control_character_fault(text: &str, pointer: &str) -> Option<Fault> {
         index + 1
     );
     Some(
-        Fault::new(pointer, "control_character", detail)
+        Fault::new(place, "control_character", detail)
             .allowing("no character from U+0000 to U+001F"),
     )
 }
 
-fn check_choice(value: &Value, names: &[&str], pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn check_choice(value: &Value, names: &[&str], place: &Place, faults: &mut Vec<Fault>) -> Value {
     if let Some(text) = value.as_str()
         && !names.contains(&text)
     {
         faults.push(
-            Fault::new(
-                pointer,
-                "unknown_value",
-                format!("unknown value \"{text}\""),
-            )
-            .allowing(names.join(", ")),
+            Fault::new(place, "unknown_value", format!("unknown value \"{text}\""))
+                .allowing(names.join(", ")),
         );
     }
-    expect_type(value, value.is_string(), "a text", pointer, faults)
+    expect_type(value, value.is_string(), "a text", place, faults)
 }
 
 fn check_list(
     value: &Value,
     item: &'static Kind,
     (min, max): (usize, usize),
-    pointer: &str,
+    place: &Place,
     faults: &mut Vec<Fault>,
 ) -> Value {
     let Value::Array(items) = value else {
-        return expect_type(value, false, "a list", pointer, faults);
+        return expect_type(value, false, "a list", place, faults);
     };
     if !(min..=max).contains(&items.len()) {
         let fault = Fault::new(
-            pointer,
+            place,
             "out_of_range",
             format!("the list has {} entries", items.len()),
         );
         faults.push(fault.allowing(format!("{min} to {max} entries")));
     }
-    let check_item =
-        |(index, entry)| check_field(entry, item, &format!("{pointer}/{index}"), faults);
+    let check_item = |(index, entry)| check_value(entry, item, &Place::Item(place, index), faults);
     Value::Array(items.iter().enumerate().map(check_item).collect())
 }
 
@@ -330,23 +340,23 @@ fn check_text_map(
     value: &Value,
     max_entries: usize,
     max_length: usize,
-    pointer: &str,
+    place: &Place,
     faults: &mut Vec<Fault>,
 ) -> Value {
     let Value::Object(entries) = value else {
-        return expect_type(value, false, "an object of texts", pointer, faults);
+        return expect_type(value, false, "an object of texts", place, faults);
     };
     if entries.len() > max_entries {
         faults.push(
-            Fault::new(pointer, "too_large", "too many entries")
+            Fault::new(place, "too_large", "too many entries")
                 .allowing(format!("at most {max_entries} entries")),
         );
     }
     for (name, entry) in entries {
-        let place = join(pointer, name);
-        check_length(name, max_length, &place, faults);
-        faults.extend(control_character_fault(name, &place));
-        check_text(entry, max_length, &place, faults);
+        let place = &Place::Member(place, name);
+        check_length(name, max_length, place, faults);
+        faults.extend(control_character(name, place));
+        check_text(entry, max_length, place, faults);
     }
     value.clone()
 }
@@ -356,7 +366,7 @@ fn expect_type(
     value: &Value,
     is_right: bool,
     wanted: &str,
-    pointer: &str,
+    place: &Place,
     faults: &mut Vec<Fault>,
 ) -> Value {
     if !is_right {
@@ -370,7 +380,7 @@ fn expect_type(
         };
         faults.push(
             Fault::new(
-                pointer,
+                place,
                 "wrong_type",
                 format!("expected {wanted}, found {found}"),
             )
@@ -378,11 +388,6 @@ fn expect_type(
         );
     }
     value.clone()
-}
-
-/// `pointer` with one more step, escaped as RFC 6901 says.
-pub(super) fn join(pointer: &str, step: &str) -> String {
-    format!("{pointer}/{}", step.replace('~', "~0").replace('/', "~1"))
 }
 
 #[cfg(test)]

@@ -7,11 +7,13 @@ mod check;
 mod export;
 mod parse;
 mod paths;
+mod place;
 
 pub use check::{check, check_field, check_into, control_character_fault};
 pub use export::{Components, json_schema, standalone_schema, tagged_schema};
 pub use parse::parse;
 pub use paths::{nearest_of, nearest_path};
+pub use place::Place;
 
 use crate::model::fault::Fault;
 

@@ -1,6 +1,6 @@
 //! Reads JSON without losing anything: a member that is given twice is a fault, where other readers keep the last one.
 
-use super::check::join;
+use super::place::Place;
 use crate::model::fault::Fault;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
@@ -13,8 +13,8 @@ use std::fmt;
 pub fn parse(bytes: &[u8]) -> serde_json::Result<(Value, Vec<Fault>)> {
     let mut faults = Vec::new();
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    let value = Place {
-        path: &mut Vec::new(),
+    let value = Reader {
+        place: Place::Pointer(""),
         faults: &mut faults,
     }
     .deserialize(&mut deserializer)?;
@@ -25,39 +25,23 @@ pub fn parse(bytes: &[u8]) -> serde_json::Result<(Value, Vec<Fault>)> {
 /// Faults are collected up to here.
 const MAX_FAULTS: usize = 20;
 
-/// Where a value stands; written out for a fault alone, since names can be long.
-enum PathStep {
-    Name(String),
-    Index(usize),
-}
-
-fn pointer(path: &[PathStep]) -> String {
-    path.iter().fold(String::new(), |pointer, step| match step {
-        PathStep::Name(name) => join(&pointer, name),
-        PathStep::Index(index) => format!("{pointer}/{index}"),
-    })
-}
-
-/// Reads the value at the end of a path.
-struct Place<'a> {
-    path: &'a mut Vec<PathStep>,
+/// Reads the value at a place.
+struct Reader<'a> {
+    place: Place<'a>,
     faults: &'a mut Vec<Fault>,
 }
 
-impl Place<'_> {
+impl Reader<'_> {
     fn note_duplicate(&mut self, name: &str) {
         if self.faults.len() < MAX_FAULTS {
-            let fault = Fault::new(
-                pointer(self.path),
-                "duplicate",
-                format!("the member '{name}' is given more than once"),
-            );
+            let detail = format!("the member '{name}' is given more than once");
+            let fault = Fault::new(&Place::Member(&self.place, name), "duplicate", detail);
             self.faults.push(fault.allowing("each member once"));
         }
     }
 }
 
-impl<'de> DeserializeSeed<'de> for Place<'_> {
+impl<'de> DeserializeSeed<'de> for Reader<'_> {
     type Value = Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
@@ -65,7 +49,7 @@ impl<'de> DeserializeSeed<'de> for Place<'_> {
     }
 }
 
-impl<'de> Visitor<'de> for Place<'_> {
+impl<'de> Visitor<'de> for Reader<'_> {
     type Value = Value;
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
@@ -102,32 +86,25 @@ impl<'de> Visitor<'de> for Place<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
         let mut items = Vec::new();
-        loop {
-            self.path.push(PathStep::Index(items.len()));
-            let item = entries.next_element_seed(Place {
-                path: self.path,
-                faults: self.faults,
-            })?;
-            self.path.pop();
-            match item {
-                Some(item) => items.push(item),
-                None => return Ok(Value::Array(items)),
-            }
+        while let Some(item) = entries.next_element_seed(Reader {
+            place: Place::Item(&self.place, items.len()),
+            faults: self.faults,
+        })? {
+            items.push(item);
         }
+        Ok(Value::Array(items))
     }
 
     fn visit_map<A: MapAccess<'de>>(mut self, mut entries: A) -> Result<Value, A::Error> {
         let mut members = Map::new();
         while let Some(name) = entries.next_key::<String>()? {
-            self.path.push(PathStep::Name(name.clone()));
             if members.contains_key(&name) {
                 self.note_duplicate(&name);
             }
-            let value = entries.next_value_seed(Place {
-                path: self.path,
+            let value = entries.next_value_seed(Reader {
+                place: Place::Member(&self.place, &name),
                 faults: self.faults,
             })?;
-            self.path.pop();
             members.insert(name, value);
         }
         Ok(Value::Object(members))

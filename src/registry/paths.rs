@@ -1,6 +1,6 @@
 //! The places that a table knows in a value, for who has mistyped one.
 
-use super::{Kind, Object, check::join};
+use super::{Kind, Object, place::join};
 use serde_json::Value;
 
 /// The JSON pointer nearest to `wanted`, by edit distance, among the fields that `object` has where the variants of its unions are those

@@ -48,7 +48,7 @@ impl Draft {
         if !spec.is_object() {
             return Err(faults);
         }
-        check_names(&spec, "", &mut faults);
+        check_names(&spec, &mut faults);
         Ok(Draft { spec, faults })
     }
 

@@ -57,7 +57,7 @@ pub fn read_scan(value: &Value, scene: &Scene) -> Result<PushedScan, Vec<Fault>>
 pub fn checked_scan(value: &Value) -> Result<PushedScan, Vec<Fault>> {
     let mut faults = Vec::new();
     let checked = registry::check_into(value, &PUSHED_SCAN, &mut faults);
-    check_names(&checked, "", &mut faults);
+    check_names(&checked, &mut faults);
     if !faults.is_empty() {
         return Err(faults);
     }
@@ -130,7 +130,7 @@ fn read_pose(scan: &mut PushedScan, sensor: usize, scene: &Scene) -> Result<(), 
 }
 
 fn turn_bearings(scan: &mut PushedScan) {
-    if let Some(attitude) = scan.pose.and_then(|pose| pose.pose().attitude) {
+    if let Some(attitude) = scan.pose.as_ref().and_then(|pose| pose.pose().attitude) {
         for detection in &mut scan.detections {
             detection.turn(&attitude);
         }
