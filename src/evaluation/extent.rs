@@ -148,7 +148,9 @@ mod tests {
         let mut extent = Extent::new(&watch);
         use_up(&mut extent);
         match extent.finish() {
-            Err(Halt::TooLarge(fault)) => Some((fault.detail, fault.allowed.unwrap_or_default())),
+            Err(Halt::TooLarge(fault)) => {
+                Some((fault.detail, fault.allowed.unwrap_or_default().into()))
+            }
             Err(halt) => panic!("nobody asked for {halt:?}"),
             Ok(()) => None,
         }

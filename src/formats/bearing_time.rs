@@ -127,7 +127,6 @@ fn read_rows(rows: &mut dyn Rows, parts: &mut BearingTimeParts, faults: &mut Fau
 }
 
 /// A cell as a number that a level can be, too.
-#[expect(clippy::result_large_err, reason = "a file has one such fault at most")]
 fn number(rows: &dyn Rows, column: usize, allowed: &str) -> Result<f64, Fault> {
     let text = rows.cell(column).trim();
     let value: f64 = text.parse().map_err(|_| {

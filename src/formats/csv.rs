@@ -175,7 +175,7 @@ impl<'a> CsvRows<'a> {
         };
         match error.kind() {
             ErrorKind::Utf8 { err, .. } => {
-                let column = self.names.get(err.field()).cloned();
+                let column = self.names.get(err.field()).map(|name| name.as_str().into());
                 (
                     Fault {
                         column,
@@ -200,7 +200,7 @@ impl<'a> CsvRows<'a> {
         let fault = (cells != columns).then(|| Fault::new("/file", "malformed", detail()))?;
         Some(Fault {
             line: Some(self.line),
-            column: self.names.get(cells).cloned(),
+            column: self.names.get(cells).map(|name| name.as_str().into()),
             ..fault
         })
     }
@@ -265,7 +265,7 @@ impl Rows for CsvRows<'_> {
     fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
         Fault {
             line: Some(1),
-            column: name.map(str::to_owned),
+            column: name.map(Into::into),
             ..Fault::new("/file", code, detail)
         }
     }

@@ -115,7 +115,7 @@ impl Rows for CsvLines<'_> {
     fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
         Fault {
             line: Some(1),
-            column: name.map(str::to_owned),
+            column: name.map(Into::into),
             ..Fault::new("/file", code, detail)
         }
     }

@@ -129,7 +129,7 @@ impl Rows for LineRows<'_> {
     fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
         Fault {
             line: Some(1),
-            column: name.map(str::to_owned),
+            column: name.map(Into::into),
             ..Fault::new("/file", code, detail)
         }
     }

@@ -117,7 +117,6 @@ fn malformed(detail: impl Into<String>) -> Fault {
 }
 
 /// The text that describes the array. The length of it has two bytes in version 1 and four later.
-#[expect(clippy::result_large_err, reason = "a file has one such fault at most")]
 fn read_header(input: &mut dyn BufRead) -> Result<String, Fault> {
     let mut take = |count: usize| {
         let mut bytes = vec![0; count];
@@ -216,7 +215,6 @@ impl Layout {
 
     /// How many values there are. Axes that no record can have are refused before anything is made of them: the header is
     /// a claim that a few bytes can make.
-    #[expect(clippy::result_large_err, reason = "a file has one such fault at most")]
     fn cells(&self) -> Result<usize, Fault> {
         let Layout { rows, columns, .. } = *self;
         if rows < 1 || columns < 2 {
@@ -233,7 +231,6 @@ impl Layout {
     }
 
     /// The values, in the order of rows.
-    #[expect(clippy::result_large_err, reason = "a file has one such fault at most")]
     fn levels(&self, input: &mut dyn BufRead, cells: usize) -> Result<Vec<f32>, Fault> {
         let size = match self.number {
             Number::Whole2 => 2,

@@ -62,11 +62,11 @@ pub struct Fault {
     pub code: String,
     pub detail: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub allowed: Option<String>,
+    pub allowed: Option<Box<str>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<u64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub column: Option<String>,
+    pub column: Option<Box<str>>,
 }
 
 impl Fault {
@@ -87,14 +87,14 @@ impl Fault {
 
     #[must_use]
     pub fn allowing(mut self, allowed: impl Into<String>) -> Self {
-        self.allowed = Some(allowed.into());
+        self.allowed = Some(allowed.into().into());
         self
     }
 
     #[must_use]
     pub fn at(mut self, line: u64, column: impl Into<String>) -> Self {
         self.line = Some(line);
-        self.column = Some(column.into());
+        self.column = Some(column.into().into());
         self
     }
 }

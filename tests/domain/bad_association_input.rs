@@ -282,7 +282,7 @@ fn parameters_of_initiation_and_confirmation_are_refused_with_their_range() {
         (
             format!("/tracker/{pointer}"),
             code.to_owned(),
-            allowed.to_owned(),
+            allowed.into(),
         )
     };
     let two_point =

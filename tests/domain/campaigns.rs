@@ -39,7 +39,13 @@ fn faults(changes: Value) -> Vec<(String, String, String)> {
     let faults = plan(JobKind::Campaign, &campaign(changes)).expect_err("it cannot be run");
     faults
         .into_iter()
-        .map(|fault| (fault.pointer, fault.code, fault.allowed.unwrap_or_default()))
+        .map(|fault| {
+            (
+                fault.pointer,
+                fault.code,
+                fault.allowed.unwrap_or_default().into(),
+            )
+        })
         .collect()
 }
 

@@ -17,7 +17,7 @@ fn scan(index: u64) -> Value {
     let time = index as f64;
     let mut detections = Vec::new();
     for target in 0..20_u64 {
-        if (index * 7 + target * 3) % 8 != 0 {
+        if !(index * 7 + target * 3).is_multiple_of(8) {
             let (lane, speed) = (300.0 * target as f64, 6.0 + target as f64);
             let wobble = 8.0 * (time * 1.7 + lane).sin();
             let along = speed * time + wobble;

@@ -271,11 +271,10 @@ fn add_truths(
         let from = steps.first_from(from_s).saturating_sub(1);
         let to = (steps.first_from(to_s) + 1).min(steps.count());
         let mut points = 0;
-        for step in from..to {
+        for (step, now) in present.iter_mut().enumerate().take(to).skip(from) {
             if let Some((position, velocity)) = paths.at(id, steps.time_s(step), steps.tolerance_s)
             {
-                present[step]
-                    .truths
+                now.truths
                     .push(presence(space, (id, 0), &position, velocity));
                 points += 1;
             }

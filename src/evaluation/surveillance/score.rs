@@ -59,7 +59,7 @@ impl Line {
             products += (value - middle) * (error - middle_error);
         }
         let gain = 1.0 - products / squares;
-        gain.is_finite().then(|| Line {
+        gain.is_finite().then_some(Line {
             gain,
             bias: middle - middle_error - gain * middle,
         })

@@ -79,7 +79,7 @@ pub struct PushedScan {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub heartbeat: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pose: Option<PushedPose>,
+    pub pose: Option<Box<PushedPose>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detections: Vec<PushedDetection>,
 }
@@ -95,7 +95,7 @@ impl PushedScan {
             number,
             time_s: self.time_s,
             sensor,
-            pose: self.pose.map(|pose| pose.pose()),
+            pose: self.pose.as_ref().map(|pose| pose.pose()),
             detections,
             own: whole(own),
         }

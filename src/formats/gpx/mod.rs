@@ -6,8 +6,6 @@
 //! # Reference
 //! GPX 1.1 schema documentation, <https://www.topografix.com/GPX/1/1/>.
 
-#![expect(clippy::result_large_err, reason = "a file has one such fault at most")]
-
 mod input;
 mod point;
 

@@ -188,9 +188,9 @@ impl From<Fault> for FaultItem {
             pointer: clipped(pointer),
             code,
             detail: clipped(detail),
-            allowed: allowed.map(clipped),
+            allowed: allowed.map(String::from).map(clipped),
             line,
-            column: column.map(clipped),
+            column: column.map(String::from).map(clipped),
         }
     }
 }

@@ -19,7 +19,7 @@ fn places(outcome: Result<ReadOutcome, Vec<Fault>>) -> Vec<(String, Option<u64>,
     outcome
         .expect_err("there are faults")
         .into_iter()
-        .map(|fault| (fault.code, fault.line, fault.column))
+        .map(|fault| (fault.code, fault.line, fault.column.map(Into::into)))
         .collect()
 }
 

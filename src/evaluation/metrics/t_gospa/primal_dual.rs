@@ -209,7 +209,7 @@ impl<'a> Descent<'a> {
             self.lower(step);
             self.raise(step);
         }
-        if self.since == 0 || round % RESTART_ROUNDS == 0 {
+        if self.since == 0 || round.is_multiple_of(RESTART_ROUNDS) {
             let now = self.moved_since(&self.now);
             let moved = (self.weight * now.0 + now.1 / self.weight).sqrt();
             if self.since == 0 {

@@ -282,7 +282,7 @@ fn misplaced(settings: &SensorSettings, report: MeasurementModel) -> Vec<(String
     let requested = [SensorSettings::named("other"), settings.clone()];
     misplaced_densities(&requested, &[sensor])
         .into_iter()
-        .map(|fault| (fault.pointer, fault.allowed.unwrap()))
+        .map(|fault| (fault.pointer, String::from(fault.allowed.unwrap())))
         .collect()
 }
 

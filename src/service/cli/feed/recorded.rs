@@ -169,7 +169,12 @@ fn scans_of(
             sequence: Some(*number),
             time_s: scan.time_s,
             heartbeat: false,
-            pose: scan.pose.as_ref().filter(|_| moves).map(PushedPose::of),
+            pose: scan
+                .pose
+                .as_ref()
+                .filter(|_| moves)
+                .map(PushedPose::of)
+                .map(Box::new),
             detections: detections_of((&recording, first), scan, takes),
         };
         scans.push(Ready {
