@@ -93,6 +93,25 @@ const rowsOf = (page) =>
     all.map((row) => [...row.querySelectorAll("td")].map((cell) => cell.textContent)),
   );
 
+test("a session is paused and goes on, by whoever did it", async () => {
+  const id = await begun();
+  await pushed(id, 0, 3);
+  const page = await withFigures(await opened(id));
+  await scansAre(page, 3);
+  await page.getByRole("button", { name: "Pause", exact: true }).click();
+  const again = page.getByRole("button", { name: "Take scans again" });
+  await again.waitFor();
+  assert.equal((await api(`/v1/sessions/${id}`)).live.is_paused, true);
+  assert.match(await page.locator(".title-row [role=status]").innerText(), /paused/);
+  await again.click();
+  await page.getByRole("button", { name: "Pause", exact: true }).waitFor();
+  await pushed(id, 3, 5);
+  await scansAre(page, 5);
+  await api(`/v1/sessions/${id}/pause`, {});
+  await again.waitFor();
+  await closePage(page);
+});
+
 test("what the page shows of tracks, counts and events is what the service says", async () => {
   const id = await begun();
   await pushed(id, 0, 12);

@@ -70,6 +70,8 @@ pub struct SessionPicture {
     pub last_scan: u64,
     /// Scans that wait for others.
     pub waiting: u64,
+    /// Whether it takes no scans for the time being.
+    pub is_paused: bool,
     pub counts: SessionCounts,
     pub sensors: Vec<SensorPlace>,
     /// The living tracks.
@@ -195,6 +197,7 @@ impl Session {
             last_event: self.last_event(),
             last_scan: self.last_scan(),
             waiting: self.waiting() as u64,
+            is_paused: self.is_paused(),
             counts: self.counts(),
             sensors: self.sensor_places(),
             ways: after_scan.is_none().then(|| self.ways()),

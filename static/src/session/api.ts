@@ -17,6 +17,10 @@ export const getSession = (id: string): Promise<Session> =>
   taken(client.GET("/v1/sessions/{id}", path(id)));
 export const closeSession = (id: string): Promise<Session> =>
   taken(client.POST("/v1/sessions/{id}/close", path(id)));
+export const pauseSession = (id: string): Promise<Session> =>
+  taken(client.POST("/v1/sessions/{id}/pause", path(id)));
+export const resumeSession = (id: string): Promise<Session> =>
+  taken(client.POST("/v1/sessions/{id}/resume", path(id)));
 
 /** What is believed, at once; or, after a number, once there is more. */
 export function getPicture(

@@ -6,7 +6,7 @@ import { useEffect, useMemo } from "preact/hooks";
 import { asProblem, Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
 import { Code } from "../components/code";
 import { count, moment } from "../format";
-import { closeSession, type Session } from "../session/api";
+import { closeSession, pauseSession, resumeSession, type Session } from "../session/api";
 import { Confirm } from "../session/confirm";
 import { pushExample } from "../session/example";
 import { Follower } from "../session/follow";
@@ -66,8 +66,9 @@ function Head({ session, follower, error }: HeadProps): JSX.Element {
       <div class="title-row">
         <h1>{session.name || "Session"}</h1>
         <SessionBadge state={session.state} />
+        <Pausing follower={follower} error={error} />
         <div class="actions">
-          {session.state === "open" && follower.bond.value === "live" ? (
+          {isLive(follower) ? (
             <Confirm
               name="Close the session"
               question="It takes no more scans; they become a data set, and a job tracks them."
@@ -89,6 +90,39 @@ function Head({ session, follower, error }: HeadProps): JSX.Element {
         ))}
       </p>
     </header>
+  );
+}
+
+const isLive = (follower: Follower): boolean =>
+  follower.session.value?.state === "open" && follower.bond.value === "live";
+
+/** Whether scans are taken, and the button that changes it. */
+function Pausing({ follower, error }: Omit<HeadProps, "session">): JSX.Element | null {
+  const isBusy = useSignal(false);
+  if (!isLive(follower)) return null;
+  const isPaused = follower.settled.value?.is_paused ?? false;
+  const change = async () => {
+    isBusy.value = true;
+    try {
+      await (isPaused ? resumeSession : pauseSession)(follower.id);
+      error.value = undefined;
+      follower.nudge();
+    } catch (failure) {
+      error.value = failure;
+    }
+    isBusy.value = false;
+  };
+  return (
+    <>
+      {isPaused ? (
+        <span class="badge state-queued" role="status">
+          <Icon name="pause" /> paused: pushes are refused
+        </span>
+      ) : null}
+      <button type="button" disabled={isBusy.value} onClick={() => void change()}>
+        {isPaused ? "Take scans again" : "Pause"}
+      </button>
+    </>
   );
 }
 
