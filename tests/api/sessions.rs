@@ -470,3 +470,62 @@ async fn a_picture_has_tracks_and_the_scans_since_the_one_before() {
         .await
         .refused("validation");
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_session_takes_scans_at_its_rate_and_is_closed_at_its_size() {
+    let api = Api::start().await;
+    let mut body = request();
+    body["max_scans_per_s"] = json!(0.01);
+    body["max_log_bytes"] = json!(500);
+    let path = session(&api, &body).await;
+    let first = scan(0);
+    api.post(&format!("{path}/scans"), &first).await.ok(200);
+    let early = api.post(&format!("{path}/scans"), &scan(1)).await;
+    assert_eq!(early.status.as_u16(), 429);
+    assert!(early.header("retry-after").parse::<u64>().unwrap() >= 1);
+    early.refused("session_full");
+    let open = api.get(&path).await.ok(200);
+    let bytes = open["log_bytes"].as_u64().unwrap();
+    // An entry says of which kind it is, too.
+    let text = first.to_string().len() as u64;
+    assert!((text..text + 50).contains(&bytes), "{bytes} of {text}");
+    assert_eq!(open["entries"], json!(1));
+
+    body["max_scans_per_s"] = json!(1000.0);
+    let path = session(&api, &body).await;
+    for index in 0..4 {
+        api.post(&format!("{path}/scans"), &scan(index))
+            .await
+            .ok(200);
+    }
+    assert!(api.get(&path).await.ok(200)["log_bytes"].as_u64().unwrap() >= 500);
+    let closed = until_closed(&api, &path).await;
+    assert!(closed["dataset_id"].is_string() && closed["job_id"].is_string());
+    assert_eq!(closed["entries"], json!(4));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_old_session_is_closed() {
+    let api = Api::start().await;
+    let mut body = request();
+    body["max_age_s"] = json!(1.0);
+    let path = session(&api, &body).await;
+    let kept = session(&api, &request()).await;
+    let closed = until_closed(&api, &path).await;
+    // Nothing came, so there is no data set.
+    assert!(closed.get("dataset_id").is_none());
+    let refused = api.post(&format!("{path}/scans"), &scan(0)).await;
+    refused.refused("session_closed");
+    assert_eq!(api.get(&kept).await.ok(200)["state"], json!("open"));
+}
+
+async fn until_closed(api: &Api, path: &str) -> Value {
+    for _ in 0..300 {
+        let session = api.get(path).await.ok(200);
+        if session["state"] == json!("closed") {
+            return session;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    }
+    panic!("it was not closed");
+}

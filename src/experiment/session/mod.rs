@@ -32,7 +32,7 @@ pub use pose::PushedPose;
 pub use reading::{checked_scan, read_scan};
 pub use recording::SessionRecording;
 pub use scene::Scene;
-pub use spec::{LatePolicy, SESSION};
+pub use spec::{LatePolicy, SESSION, is_over};
 pub use told::{LiveTrack, SensorHeard, SessionCounts, TrackHistory};
 
 use crate::model::fault::Fault;

@@ -9,6 +9,7 @@ use crate::model::sensor::SensorSettings;
 use crate::model::space::Frame;
 use crate::registry::{Kind, Object, default, list, number, optional, required, whole};
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 pub static SESSION: Object = Object {
     name: "SessionRequest",
@@ -72,6 +73,21 @@ pub static SESSION: Object = Object {
             whole(1, 50_000, "detections"),
             "5000",
         ),
+        optional(
+            "max_scans_per_s",
+            "Scans and heartbeats that it takes a second, and as many as of ten seconds at once; beyond it a push is answered 429 with Retry-After. No limit when absent.",
+            number(0.001, 1e6, "1/s"),
+        ),
+        optional(
+            "max_age_s",
+            "A session that was begun so long ago is closed. No limit when absent.",
+            number(1.0, 1e10, "s"),
+        ),
+        optional(
+            "max_log_bytes",
+            "A session whose log has grown to this is closed. No limit when absent.",
+            whole(1, 1 << 50, "bytes"),
+        ),
     ],
 };
 
@@ -107,4 +123,33 @@ pub struct Rules {
     pub max_gap_s: f64,
     pub max_tracks: usize,
     pub max_detections: usize,
+    pub max_scans_per_s: Option<f64>,
+}
+
+/// When a session ends by itself.
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+struct Ends {
+    max_age_s: Option<f64>,
+    max_log_bytes: Option<u64>,
+}
+
+/// Whether a session of this request and age, whose log has so many bytes, is to be closed.
+pub fn is_over(request: &Value, age_s: f64, log_bytes: u64) -> bool {
+    let ends = Ends::deserialize(request).unwrap_or_default();
+    ends.max_age_s.is_some_and(|most_s| age_s >= most_s)
+        || ends.max_log_bytes.is_some_and(|most| log_bytes >= most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_session_is_over_by_age_or_by_bytes() {
+        let request = json!({"max_age_s": 60.0, "max_log_bytes": 1000});
+        assert!(!is_over(&request, 59.9, 999));
+        assert!(is_over(&request, 60.0, 0) && is_over(&request, 0.0, 1000));
+        assert!(!is_over(&json!({}), 1e9, u64::MAX));
+    }
 }

@@ -11,8 +11,8 @@ use super::streams::{self, OpenStream};
 use crate::service::connections::Ends;
 use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::{
-    DatasetInfo, JobKind, LiveTracks, Pushed, SessionEvent, SessionEvents, SessionInfo,
-    SessionPage, TrackHistory,
+    DatasetInfo, LiveTracks, Pushed, SessionEvent, SessionEvents, SessionInfo, SessionPage,
+    TrackHistory,
 };
 use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::{HeaderMap, StatusCode};
@@ -267,9 +267,5 @@ async fn record_session(State(app): State<AppState>, Id(id): Id, _: NoParams) ->
     params(("id" = uuid::Uuid, Path, description = "Identity of the session.")),
     responses((status = 200, description = "The session, closed.", body = SessionInfo)))]
 async fn close_session(State(app): State<AppState>, Id(id): Id, _: NoParams) -> ApiResult {
-    let submit = async |body| {
-        let submitted = app.jobs.submit(JobKind::Associate, body, None).await?;
-        Ok(submitted.job.id)
-    };
-    Ok(Json(app.sessions.close(id, submit).await?).into_response())
+    Ok(Json(app.jobs.close_session(id).await?).into_response())
 }

@@ -13,6 +13,7 @@ mod recent;
 mod report_page;
 mod request;
 mod runner;
+mod sessions;
 mod submit;
 mod upkeep;
 
@@ -235,6 +236,9 @@ async fn maintain(jobs: Weak<Jobs>, closing: CancellationToken) {
         if done.is_ok() && collected.elapsed() > COLLECTION_INTERVAL {
             collected = Instant::now();
             done = jobs.clean_tables().await;
+        }
+        if done.is_ok() {
+            done = jobs.close_sessions_that_are_over().await;
         }
         if done.is_ok() {
             done = jobs.tidy().await;

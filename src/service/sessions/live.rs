@@ -1,6 +1,7 @@
 //! One session in the memory of the process that has it.
 
 use super::log::Log;
+use super::rate::Rate;
 use crate::experiment::session::{Checked, Entry, EntryFate, Session, SessionEvent};
 use crate::model::fault::Fault;
 use crate::service::build_info::VERSION;
@@ -32,6 +33,8 @@ pub(super) struct Live {
     turn: tokio::sync::Mutex<Turn>,
     scans: Arc<Semaphore>,
     bytes: Arc<Semaphore>,
+    /// Absent where scans may come as they like.
+    rate: Option<Mutex<Rate>>,
     /// Sent to when there are events.
     pub news: watch::Sender<()>,
     /// What is in memory is not what the log says any more.
@@ -48,6 +51,8 @@ struct Turn {
 
 impl Live {
     pub fn new(id: Uuid, fence: i64, session: Session, entries: u64, checkpoint: u64) -> Self {
+        let per_s = session.scene().rules().max_scans_per_s;
+        let rate = per_s.map(|per_s| Mutex::new(Rate::new(per_s, Instant::now())));
         Live {
             id,
             fence,
@@ -59,6 +64,7 @@ impl Live {
             }),
             scans: Arc::new(Semaphore::new(QUEUED_SCANS)),
             bytes: Arc::new(Semaphore::new(QUEUED_BYTES)),
+            rate,
             news: watch::Sender::new(()),
             is_spoilt: AtomicBool::new(false),
         }
@@ -96,6 +102,9 @@ impl Live {
         let (Ok(scans), Ok(room)) = (scans, room) else {
             return Err(ServiceError::SessionFull);
         };
+        if !self.may_take(entries.len()) {
+            return Err(ServiceError::SessionFull);
+        }
         // Once begun it goes on, also when the client goes away: what is on the disk is taken.
         let (live, log, storage) = (self.clone(), log.clone(), storage.clone());
         let work = async move {
@@ -107,6 +116,14 @@ impl Live {
             self.spoil();
             Err(ServiceError::Internal(anyhow::Error::from(error)))
         })
+    }
+
+    fn may_take(&self, scans: usize) -> bool {
+        let Some(rate) = &self.rate else {
+            return true;
+        };
+        let mut rate = rate.lock().unwrap_or_else(PoisonError::into_inner);
+        rate.take(scans, Instant::now())
     }
 
     async fn take(

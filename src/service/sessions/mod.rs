@@ -5,6 +5,7 @@ mod hand;
 mod live;
 mod log;
 mod picture;
+mod rate;
 mod recording;
 mod table;
 mod told;
@@ -15,12 +16,13 @@ use super::storage::{Lease, NewSession, Page, Paging, Storage, StoredSession};
 use super::types::{
     LiveTracks, Pushed, SessionEvents, SessionInfo, SessionPage, SessionState, TrackHistory,
 };
-use crate::experiment::session::{Entry, Scene, Session, SessionEvent, read_scan};
+use crate::experiment::session::{Entry, Scene, Session, SessionEvent, is_over, read_scan};
 use crate::model::fault::Fault;
 use crate::service::build_info::VERSION;
 use anyhow::Context;
 use ending::Ending;
 use futures::{Stream, stream};
+use jiff::Timestamp;
 use live::Live;
 use log::Log;
 use serde_json::Value;
@@ -203,6 +205,17 @@ impl Sessions {
             return Err(ServiceError::Gone("session"));
         }
         Ok(stored)
+    }
+
+    /// Those that have reached the age or the size at which they are to be closed.
+    pub async fn over(&self) -> anyhow::Result<Vec<Uuid>> {
+        let mut over = self.storage.open_sessions().await?;
+        let now = Timestamp::now();
+        over.retain(|stored| {
+            let age_s = now.duration_since(stored.created_at).as_secs_f64();
+            is_over(&stored.spec, age_s, stored.log_bytes)
+        });
+        Ok(over.into_iter().map(|stored| stored.id).collect())
     }
 
     /// The session in the memory of this process, where it is, or from its log.

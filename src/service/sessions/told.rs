@@ -11,6 +11,7 @@ pub(super) fn info(stored: StoredSession) -> SessionInfo {
         labels: stored.labels,
         state: stored.state,
         entries: stored.entries,
+        log_bytes: stored.log_bytes,
         created_at: stored.created_at,
         closed_at: stored.closed_at,
         dataset_id: stored.dataset_id,

@@ -31,6 +31,11 @@ pub const SQLITE_TABLES: &Migrations = &[
         "live tracks",
         include_str!("migrations/sqlite/0007_live_tracks.sql"),
     ),
+    (
+        8,
+        "log bytes",
+        include_str!("migrations/sqlite/0008_log_bytes.sql"),
+    ),
 ];
 
 pub const POSTGRES_TABLES: &Migrations = &[
@@ -58,5 +63,10 @@ pub const POSTGRES_TABLES: &Migrations = &[
         7,
         "live tracks",
         include_str!("migrations/postgres/0007_live_tracks.sql"),
+    ),
+    (
+        8,
+        "log bytes",
+        include_str!("migrations/postgres/0008_log_bytes.sql"),
     ),
 ];

@@ -37,6 +37,7 @@ pub struct StoredSession {
     pub state: SessionState,
     pub fault: Option<Value>,
     pub entries: u64,
+    pub log_bytes: u64,
     pub dataset_id: Option<Uuid>,
     pub job_id: Option<Uuid>,
     pub track_ids: Option<Vec<String>>,
@@ -82,7 +83,7 @@ pub struct SessionEnd {
     pub track_ids: Option<Vec<String>>,
 }
 
-const COLUMNS: &str = "SELECT id, name, labels, spec, state, fault, entries, dataset_id, job_id, track_ids, created_at, closed_at,
+const COLUMNS: &str = "SELECT id, name, labels, spec, state, fault, entries, log_bytes, dataset_id, job_id, track_ids, created_at, closed_at,
     CASE WHEN deleted_at IS NULL THEN 0 ELSE 1 END AS deleted FROM sessions WHERE ";
 
 impl Storage {
@@ -117,6 +118,13 @@ impl Storage {
         let condition = Statement::new("deleted_at IS NULL");
         self.page((COLUMNS, count), condition, (paging, after), stored)
             .await
+    }
+
+    /// All that are open.
+    pub async fn open_sessions(&self) -> anyhow::Result<Vec<StoredSession>> {
+        let query = Statement::new("state = 'open' AND deleted_at IS NULL").after(COLUMNS);
+        let rows = query.query().fetch_all(&self.read).await?;
+        rows.iter().map(stored).collect()
     }
 
     /// Takes a session for this process, unless another one has it.
@@ -282,13 +290,16 @@ impl Storage {
 
 async fn append_one(connection: &mut AnyConnection, append: &LogAppend) -> anyhow::Result<bool> {
     let (session, count) = (append.session.to_string(), append.entries.len() as i64);
+    let bytes: usize = append.entries.iter().map(String::len).sum();
     let noted = sqlx::query(
-        "UPDATE sessions SET entries = entries + $1 WHERE id = $2 AND fence = $3 AND entries = $4 AND state = 'open'",
+        "UPDATE sessions SET entries = entries + $1, log_bytes = log_bytes + $5
+         WHERE id = $2 AND fence = $3 AND entries = $4 AND state = 'open'",
     )
     .bind(count)
     .bind(&session)
     .bind(append.fence)
     .bind(append.after.cast_signed())
+    .bind(bytes as i64)
     .execute(&mut *connection)
     .await?;
     if noted.rows_affected() != 1 {
@@ -321,6 +332,7 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredSession> {
         state: SessionState::from_name(row.try_get("state")?),
         fault: fault.map(|text| serde_json::from_str(&text)).transpose()?,
         entries: row.try_get::<i64, _>("entries")?.cast_unsigned(),
+        log_bytes: row.try_get::<i64, _>("log_bytes")?.cast_unsigned(),
         dataset_id: id_at("dataset_id")?,
         job_id: id_at("job_id")?,
         track_ids: track_ids

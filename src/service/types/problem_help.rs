@@ -137,7 +137,7 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
     ),
     (
         "session_full",
-        "Scans that were pushed before still wait to be written and taken, as many as a session holds.",
+        "Scans that were pushed before still wait to be written and taken, as many as a session holds, or scans come faster than its max_scans_per_s.",
         "Push again after the time in Retry-After, and push several scans at once.",
     ),
     (

@@ -52,6 +52,8 @@ pub struct SessionInfo {
     pub state: SessionState,
     /// Entries of its log: scans, heartbeats, and what was done by hand.
     pub entries: u64,
+    /// Bytes of its log.
+    pub log_bytes: u64,
     #[schema(value_type = String, format = DateTime)]
     pub created_at: Timestamp,
     #[serde(skip_serializing_if = "Option::is_none")]
