@@ -7,7 +7,7 @@ use trackloom::experiment::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 58] = [
+const OPERATIONS: [&str; 64] = [
     "beginSessionTrack",
     "cancelJob",
     "closeSession",
@@ -18,6 +18,7 @@ const OPERATIONS: [&str; 58] = [
     "createEvaluateJob",
     "createGroupJob",
     "createJob",
+    "createKey",
     "createSession",
     "createSimulateJob",
     "deleteDataset",
@@ -26,6 +27,7 @@ const OPERATIONS: [&str; 58] = [
     "downloadDataset",
     "downloadJobArtifact",
     "endSessionTrack",
+    "getAccess",
     "getCampaignCells",
     "getDataset",
     "getHealth",
@@ -49,17 +51,21 @@ const OPERATIONS: [&str; 58] = [
     "listDatasets",
     "listJobArtifacts",
     "listJobs",
+    "listKeys",
     "listMethods",
     "listPresets",
     "listProblemTypes",
     "listSessionTracks",
     "listSessions",
+    "login",
+    "logout",
     "pauseSession",
     "previewDataset",
     "pushScans",
     "recordSession",
     "rerunJob",
     "resumeSession",
+    "revokeKey",
     "streamJobEvents",
     "streamSessionEvents",
     "updateJob",
@@ -282,31 +288,43 @@ fn an_operation_lists_every_status_that_it_may_answer() {
         (
             "createAssociateJob",
             &[
-                "200", "202", "400", "413", "415", "422", "503", "4XX", "5XX",
+                "200", "202", "400", "401", "403", "413", "415", "422", "429", "503", "4XX", "5XX",
             ][..],
         ),
         (
             "uploadRawDataset",
-            &["200", "201", "413", "415", "422", "503", "4XX", "5XX"],
+            &[
+                "200", "201", "401", "403", "413", "415", "422", "429", "503", "4XX", "5XX",
+            ],
         ),
         (
             "deleteDataset",
-            &["204", "404", "409", "410", "422", "503", "4XX", "5XX"],
+            &[
+                "204", "401", "403", "404", "409", "410", "422", "429", "503", "4XX", "5XX",
+            ],
         ),
         (
             "downloadJobArtifact",
             &[
-                "200", "404", "409", "410", "416", "422", "503", "4XX", "5XX",
+                "200", "401", "403", "404", "409", "410", "416", "422", "429", "503", "4XX", "5XX",
             ],
         ),
         (
             "getJobReport",
             &[
-                "200", "404", "409", "410", "416", "422", "503", "4XX", "5XX",
+                "200", "401", "403", "404", "409", "410", "416", "422", "429", "503", "4XX", "5XX",
             ],
         ),
-        ("listJobs", &["200", "400", "422", "503", "4XX", "5XX"]),
-        ("getVersion", &["200", "422", "4XX", "5XX"]),
+        (
+            "listJobs",
+            &[
+                "200", "400", "401", "403", "422", "429", "503", "4XX", "5XX",
+            ],
+        ),
+        (
+            "getVersion",
+            &["200", "401", "403", "422", "429", "4XX", "5XX"],
+        ),
     ] {
         assert_eq!(statuses(&document, id), expected, "{id}");
     }

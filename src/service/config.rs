@@ -1,5 +1,6 @@
 //! What can be set, with its defaults.
 
+use super::keys::MasterKey;
 use super::storage::blobs::BucketUrl;
 use super::storage::room::MinFree;
 use std::net::SocketAddr;
@@ -13,6 +14,8 @@ pub struct Config {
     pub listen: SocketAddr,
     /// Where others reach it, if not at the address on which it listens.
     pub public_url: Option<String>,
+    /// From which the keys come that the service asks for; it asks for none when absent.
+    pub master_key: Option<MasterKey>,
     /// Names besides `localhost` and the addresses themselves by which the service is asked.
     pub allowed_hosts: Vec<String>,
     pub connections: ConnectionLimits,
@@ -46,6 +49,7 @@ impl Config {
         Config {
             listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
             public_url: None,
+            master_key: None,
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
             max_upload_bytes: 1 << 30,
@@ -60,6 +64,12 @@ impl Config {
             child_program: None,
             crash_limit: 3,
         }
+    }
+
+    /// Whether others reach the service by https, which a proxy ends.
+    pub fn has_tls(&self) -> bool {
+        let url = self.public_url.as_deref();
+        url.is_some_and(|url| url.starts_with("https://"))
     }
 }
 

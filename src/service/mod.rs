@@ -8,6 +8,7 @@
 //! - [`datasets`]: keeping files that hold datasets.
 //! - `engine`: the queue, which only says "look at this job now".
 //! - [`sessions`]: trackers of live feeds, each with a log in the tables.
+//! - [`keys`]: who may do what.
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
 pub mod build_info;
@@ -21,7 +22,9 @@ mod engine;
 pub mod error;
 pub mod http;
 pub mod jobs;
+pub mod keys;
 pub mod openapi;
+mod rate;
 pub mod server;
 pub mod sessions;
 mod storage;

@@ -151,6 +151,8 @@ pub fn state(config: &Config, jobs: Arc<Jobs>) -> anyhow::Result<AppState> {
     Ok(AppState {
         datasets: jobs.datasets().clone(),
         sessions: jobs.sessions().clone(),
+        keys: jobs.keys().clone(),
+        has_tls: config.has_tls(),
         jobs,
         max_upload_bytes: config.max_upload_bytes,
         metrics: metrics()?,

@@ -4,6 +4,7 @@ import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
 import { Empty, Link } from "./components/basics";
 import { later } from "./components/later";
+import { isShut, isSignedIn, noteSignedIn } from "./state/door";
 import { chooseTheme, type ThemeChoice, themeChoice } from "./state/theme";
 import { pageHref, param } from "./state/url";
 import { JobList } from "./views/job-list";
@@ -33,6 +34,8 @@ const SessionPage = later(
 );
 const NewJob = later("the form", async () => (await import("./views/new-job")).NewJob);
 const Compare = later("the comparison", async () => (await import("./views/compare")).Compare);
+
+const Login = later("the way in", async () => (await import("./views/login")).Login);
 
 function view(name: string): JSX.Element {
   if (name === "jobs") return <JobList />;
@@ -64,6 +67,19 @@ function ThemeSwitch(): JSX.Element {
         <option value="dark">Dark</option>
       </select>
     </label>
+  );
+}
+
+function SignOut(): JSX.Element {
+  const leave = async () => {
+    const { logOut } = await import("./api/door");
+    await logOut();
+    noteSignedIn(false);
+  };
+  return (
+    <button type="button" onClick={() => void leave()}>
+      Sign out
+    </button>
   );
 }
 
@@ -116,10 +132,11 @@ export function App(): JSX.Element {
           </Link>
           <a href="/docs">API</a>
         </nav>
+        {isSignedIn.value && !isShut.value ? <SignOut /> : null}
         <ThemeSwitch />
       </header>
       <main id="main" tabIndex={-1}>
-        {view(name)}
+        {isShut.value ? <Login /> : view(name)}
       </main>
     </>
   );

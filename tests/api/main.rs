@@ -15,6 +15,7 @@ mod events;
 mod helpers;
 mod job_shape;
 mod jobs;
+mod keys;
 mod life;
 mod limits;
 mod problems;

@@ -17,10 +17,11 @@ export function dataFolder() {
 }
 
 /** Starts the service on a folder and waits until it listens. It ends with this process. */
-export async function startService(data, port = 0) {
+export async function startService(data, port = 0, env = {}) {
   const log = openSync(join(SCRATCH, `${basename(process.argv[1])}.log`), "a");
   const child = spawn(BIN, ["serve", "--listen", `127.0.0.1:${port}`, "--data", data], {
     stdio: ["ignore", "pipe", log],
+    env: { ...process.env, ...env },
   });
   const kill = () => child.kill();
   process.on("exit", kill);

@@ -18,10 +18,13 @@ fn an_address_that_others_reach_is_refused_unless_that_is_meant() {
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(
-            said.starts_with("trackloom: --listen 0.0.0.0:0 is refused: there are no accounts, "),
+            said.starts_with("trackloom: --listen 0.0.0.0:0 is refused without a master key: "),
             "{said}"
         );
-        assert!(said.contains("--insecure"), "{said}");
+        assert!(
+            said.contains("--insecure") && said.contains("--master-key-file"),
+            "{said}"
+        );
     }
     for wrong in ["http://one.example", "one.example:80", ""] {
         let output = trackloom()

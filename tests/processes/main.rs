@@ -7,6 +7,7 @@ mod database;
 mod disk;
 mod feed;
 mod job_files;
+mod keys;
 mod many;
 mod postgres;
 mod process;

@@ -1,15 +1,21 @@
 //! Options of who may use the service, and how much of it.
 
 use crate::service::config::{Config, ConnectionLimits};
+use crate::service::keys::MasterKey;
 use clap::Args;
 use std::net::SocketAddr;
+use std::path::PathBuf;
 
 #[derive(Args)]
 pub(super) struct AccessArguments {
     /// A name by which the service is asked, besides localhost and the addresses of the machine; repeat it for more
     #[arg(long = "allow-host", env = "TRACKLOOM_ALLOW_HOST", value_name = "NAME", value_delimiter = ',', value_parser = host_name)]
     allowed_hosts: Vec<String>,
-    /// Listen on an address that other machines reach, although everybody who reaches it may read and change everything
+    /// A file with the master key, 16 characters or more: with it every request needs a key, which `trackloom keys` makes. The variable
+    /// TRACKLOOM_MASTER_KEY has the key itself
+    #[arg(long, env = "TRACKLOOM_MASTER_KEY_FILE", value_name = "FILE")]
+    master_key_file: Option<PathBuf>,
+    /// Listen on an address that other machines reach without a master key, although everybody who reaches it may read and change everything
     #[arg(long, env = "TRACKLOOM_INSECURE")]
     insecure: bool,
     /// Connections open at the same time; half of the files that the process may open when absent, at most 4096
@@ -39,15 +45,17 @@ fn host_name(text: &str) -> Result<String, String> {
 
 impl AccessArguments {
     /// # Errors
-    /// An address that other machines reach, unless that is meant; if it is, that is told.
+    /// A master key that cannot be used; without one an address that other machines reach, unless that is meant; if it is, that is told.
     pub(super) fn check(&self, listen: SocketAddr) -> Result<(), String> {
-        if listen.ip().is_loopback() {
+        let is_locked = self.master_key()?.is_some();
+        if is_locked || listen.ip().is_loopback() {
             return Ok(());
         }
         if !self.insecure {
             return Err(format!(
-                "--listen {listen} is refused: there are no accounts, so everybody who reaches the address could read and change everything. \
-                 Listen on 127.0.0.1 behind a reverse proxy that asks who it is, or say --insecure if every machine that reaches it is trusted"
+                "--listen {listen} is refused without a master key: everybody who reaches the address could read and change everything. \
+                 Say --master-key-file or TRACKLOOM_MASTER_KEY, listen on 127.0.0.1 behind a reverse proxy that asks who it is, or say \
+                 --insecure if every machine that reaches it is trusted"
             ));
         }
         eprintln!(
@@ -56,7 +64,23 @@ impl AccessArguments {
         Ok(())
     }
 
+    /// Of the file, else of the variable.
+    fn master_key(&self) -> Result<Option<MasterKey>, String> {
+        let text = match &self.master_key_file {
+            Some(file) => std::fs::read_to_string(file).map_err(|error| {
+                format!("the master key cannot be read: {}: {error}", file.display())
+            })?,
+            None => match std::env::var("TRACKLOOM_MASTER_KEY") {
+                Ok(text) => text,
+                Err(_) => return Ok(None),
+            },
+        };
+        MasterKey::new(&text).map(Some)
+    }
+
     pub(super) fn apply(&self, config: &mut Config) {
+        // It has been checked before anything else.
+        config.master_key = self.master_key().ok().flatten();
         config.allowed_hosts.clone_from(&self.allowed_hosts);
         let limits = &mut config.connections;
         if let Some(most) = self.max_connections {

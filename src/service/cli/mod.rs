@@ -10,6 +10,7 @@ mod demo_live;
 mod feed;
 mod files;
 mod inspect;
+mod keys;
 mod reading;
 mod report;
 mod run;
@@ -69,6 +70,8 @@ enum Command {
         #[arg(long)]
         once: bool,
     },
+    /// Make, list and revoke the keys of a service that asks for them
+    Keys(keys::KeysArguments),
     /// List the methods, or the parameters of one
     Methods(catalogue::MethodsArguments),
     /// List the presets, or print one of them as a job file
@@ -240,6 +243,7 @@ pub fn main() -> ExitCode {
         Command::Convert(arguments) => return convert::convert(&arguments),
         Command::Feed(arguments) => return feed::run(&arguments),
         Command::Inspect(arguments) => return inspect::run(&arguments),
+        Command::Keys(arguments) => return keys::run(&arguments),
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
         Command::Methods(arguments) => return catalogue::print_methods(&arguments),
         Command::Presets(arguments) => return catalogue::print_presets(&arguments),

@@ -82,7 +82,7 @@ impl MakeRequestId for NewRequestId {
 }
 
 fn span(request: &Request) -> tracing::Span {
-    tracing::info_span!("request", method = %request.method(), path = request.uri().path(), id = text(request.headers(), &REQUEST_ID))
+    tracing::info_span!("request", method = %request.method(), path = request.uri().path(), id = text(request.headers(), &REQUEST_ID), key = tracing::field::Empty)
 }
 
 fn answer_panic(panic: Box<dyn Any + Send + 'static>) -> Response {
@@ -200,6 +200,7 @@ fn with_body(refusal: Response, problem: Problem) -> Response {
         header::CONTENT_RANGE,
         header::ACCEPT,
         header::ACCEPT_ENCODING,
+        header::WWW_AUTHENTICATE,
     ] {
         if let Some(value) = refusal.headers().get(&name) {
             response.headers_mut().insert(name, value.clone());

@@ -4,6 +4,7 @@ use super::conditional::Constant;
 use super::streams::Streams;
 use crate::service::datasets::Datasets;
 use crate::service::jobs::Jobs;
+use crate::service::keys::Keys;
 use crate::service::sessions::Sessions;
 use metrics_exporter_prometheus::PrometheusHandle;
 use std::sync::Arc;
@@ -14,6 +15,9 @@ pub struct AppState {
     pub jobs: Arc<Jobs>,
     pub datasets: Arc<Datasets>,
     pub sessions: Arc<Sessions>,
+    pub keys: Arc<Keys>,
+    /// Whether others reach the service by https.
+    pub has_tls: bool,
     /// Largest file of an upload.
     pub max_upload_bytes: u64,
     pub metrics: PrometheusHandle,

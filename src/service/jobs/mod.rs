@@ -26,6 +26,7 @@ use super::config::Config;
 use super::datasets::Datasets;
 use super::engine::{Engine, Entry, Handler};
 use super::error::ServiceError;
+use super::keys::Keys;
 use super::sessions::Sessions;
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
@@ -68,6 +69,7 @@ pub struct Jobs {
     children: Arc<Children>,
     datasets: Arc<Datasets>,
     sessions: Arc<Sessions>,
+    keys: Arc<Keys>,
     /// Jobs that may compute at the same time.
     slots: Arc<Semaphore>,
     /// Where runs are put together for somebody who waits.
@@ -84,6 +86,11 @@ impl Jobs {
     /// The datasets of the same directory.
     pub fn datasets(&self) -> &Arc<Datasets> {
         &self.datasets
+    }
+
+    /// Who may do what.
+    pub fn keys(&self) -> &Arc<Keys> {
+        &self.keys
     }
 
     /// The live sessions of the same tables.

@@ -9,6 +9,7 @@ use crate::service::child::{Children, Desk, IS_LIMITED, default_memory, size_tex
 use crate::service::config::Config;
 use crate::service::datasets::Datasets;
 use crate::service::engine::Engine;
+use crate::service::keys::Keys;
 use crate::service::sessions::Sessions;
 use crate::service::storage::blobs::Blobs;
 use crate::service::storage::notices::Notices;
@@ -89,6 +90,7 @@ impl Jobs {
         let desks = (desk(UPLOADS), looks.clone());
         let datasets = Datasets::new(storage.clone(), blobs.clone(), desks, closing.clone());
         let datasets = Arc::new(datasets);
+        let keys = Arc::new(Keys::new(config.master_key.clone(), storage.clone()));
         let sessions = Sessions::new(storage.clone(), datasets.clone(), closing.clone());
         Ok(Jobs {
             room,
@@ -103,6 +105,7 @@ impl Jobs {
             slots: Arc::new(Semaphore::new(slots)),
             datasets,
             sessions,
+            keys,
             looks,
             closing,
             must_requeue: AtomicBool::new(false),

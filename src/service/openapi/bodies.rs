@@ -6,6 +6,7 @@ use crate::experiment::{self, JobKind};
 use crate::registry::{Components, Object, json_schema, tagged_schema};
 use crate::service::http;
 use crate::service::jobs::JOB_PATCH;
+use crate::service::keys::KEY;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -50,6 +51,13 @@ pub fn request_bodies(components: &mut Components) -> BTreeMap<String, Value> {
         "pushScans".to_owned(),
         with_examples(&json_schema(&PUSHED_SCAN, &mut tables), &examples::scan()),
     );
+    for (operation, table, example) in [
+        ("createKey", &KEY, examples::key()),
+        ("login", &http::LOGIN, examples::login()),
+    ] {
+        let schema = json_schema(table, &mut tables);
+        bodies.insert(operation.to_owned(), with_examples(&schema, &example));
+    }
     bodies.insert("uploadDataset".to_owned(), upload_body(&mut tables));
     bodies.insert("uploadRawDataset".to_owned(), raw_body());
     tables.values_mut().for_each(tell_defaults);

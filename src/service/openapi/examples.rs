@@ -153,6 +153,23 @@ pub(super) fn hand_track() -> Vec<(&'static str, Value)> {
     )]
 }
 
+pub(super) fn key() -> Vec<(&'static str, Value)> {
+    vec![
+        (
+            "Of a feed, for a year",
+            json!({"name": "radar north", "actions": ["push", "read"], "expires_in_days": 365.0}),
+        ),
+        (
+            "Of a reader",
+            json!({"name": "wall display", "actions": ["read"], "requests_per_minute": 600}),
+        ),
+    ]
+}
+
+pub(super) fn login() -> Vec<(&'static str, Value)> {
+    vec![("A key", json!({"key": "tlk_0190a1…"}))]
+}
+
 pub(super) fn scan() -> Vec<(&'static str, Value)> {
     vec![
         (
@@ -172,7 +189,7 @@ pub(super) fn scan() -> Vec<(&'static str, Value)> {
         ),
         (
             "A heartbeat",
-            json!({"sensor_id": "radar", "sequence": 18, "time_s": 1_700_000_002.75, "heartbeat": true}),
+            json!({"sensor_id": "radar", "sequence": 19, "time_s": 1_700_000_002.75, "heartbeat": true}),
         ),
     ]
 }

@@ -7,6 +7,7 @@ mod refusals;
 mod version_3_0;
 
 use super::http;
+use super::keys::Need;
 use super::types::{PROBLEMS, Problem};
 use crate::experiment::inspect::Inspection;
 use crate::experiment::{ARTIFACT_TYPES, JobKind};
@@ -20,7 +21,7 @@ use utoipa::{PartialSchema, ToSchema};
 
 pub use examples::job_examples;
 
-const TAGS: [(&str, &str); 6] = [
+const TAGS: [(&str, &str); 7] = [
     ("jobs", "Ask for work, follow it, cancel it, run it again."),
     (
         "results",
@@ -35,6 +36,7 @@ const TAGS: [(&str, &str); 6] = [
         "Trackers of live feeds: push scans, read tracks, follow events.",
     ),
     ("catalogue", "Methods with their parameters, and presets."),
+    ("keys", "Who may do what, where the service asks for keys."),
     ("system", "Health, numbers, version, problems."),
 ];
 
@@ -56,15 +58,28 @@ pub fn document() -> Value {
         .for_each(|kind| refer_to_spec(kind, &mut components));
     tell_codes(&mut components);
     let tags = take_tags(&mut components);
-    document["components"] = json!({"schemas": components});
+    document["components"] = json!({"schemas": components, "securitySchemes": security_schemes()});
+    // None is needed where the service has no master key.
+    document["security"] = json!([{}, {"key": []}, {"cookie": []}]);
     inline_tags(&mut document, &tags);
-    each_operation(&mut document, &mut |operation| complete(operation, &bodies));
+    let needs = http::needs();
+    each_operation(&mut document, &mut |operation| {
+        tell_need(operation, &needs);
+        complete(operation, &bodies);
+    });
     in_order(document)
 }
 
 /// The copy in OpenAPI 3.0.3.
 pub fn document_3_0() -> Value {
     version_3_0::derive(document())
+}
+
+fn security_schemes() -> Value {
+    json!({
+        "key": {"type": "http", "scheme": "bearer", "description": "A key, or the master key."},
+        "cookie": {"type": "apiKey", "in": "cookie", "name": http::COOKIE, "description": "Set by `login`, for pages."}
+    })
 }
 
 fn info() -> Value {
@@ -182,6 +197,22 @@ fn tell_codes(components: &mut Components) {
 }
 
 /// Adds what handlers do not say of an operation.
+/// Which key an operation needs, in words: a scheme of keys has no scopes.
+fn tell_need(operation: &mut Value, needs: &BTreeMap<String, Need>) {
+    let id = operation["operationId"].as_str().unwrap_or_default();
+    let words = match needs.get(id) {
+        None | Some(Need::Nothing) => "Answers everybody.".to_owned(),
+        Some(Need::AnyKey) => "Any key opens it, where keys are asked for.".to_owned(),
+        Some(Need::Action(action)) => format!(
+            "Needs a key that allows `{}`, where keys are asked for.",
+            action.name()
+        ),
+    };
+    let before = operation["description"].as_str().unwrap_or_default();
+    let told = format!("{before}\n\n{words}");
+    operation["description"] = json!(told.trim());
+}
+
 fn complete(operation: &mut Value, bodies: &BTreeMap<String, Value>) {
     let id = operation["operationId"]
         .as_str()
@@ -278,7 +309,15 @@ fn each_operation(document: &mut Value, change: &mut dyn FnMut(&mut Value)) {
 /// The document with its parts in the usual order, whatever order they were made in.
 fn in_order(mut document: Value) -> Value {
     let mut ordered = Map::new();
-    for name in ["openapi", "info", "servers", "tags", "paths", "components"] {
+    for name in [
+        "openapi",
+        "info",
+        "servers",
+        "tags",
+        "security",
+        "paths",
+        "components",
+    ] {
         ordered.insert(name.to_owned(), document[name].take());
     }
     if let Some(paths) = ordered.get_mut("paths").and_then(Value::as_object_mut) {

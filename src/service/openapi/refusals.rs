@@ -1,6 +1,7 @@
 //! With which problems each operation may refuse: from what it takes, and from what it does.
 
 use super::reference;
+use crate::service::keys::OPEN;
 use crate::service::types::PROBLEMS;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -17,7 +18,7 @@ const FIXED: [&str; 7] = [
 ];
 
 /// What the work of an operation is refused for, besides what its parameters and its body are refused for.
-const OF_WORK: [(&str, &[&str]); 33] = [
+const OF_WORK: [(&str, &[&str]); 34] = [
     ("beginSessionTrack", SESSION),
     ("cancelJob", &["job_terminal"]),
     (
@@ -59,6 +60,7 @@ const OF_WORK: [(&str, &[&str]); 33] = [
     ("getJobSeries", RESULT),
     ("getReadiness", &["shutting_down"]),
     ("listJobArtifacts", RESULT),
+    ("login", &["unauthenticated", "too_many_requests"]),
     ("rerunJob", &["queue_full", "shutting_down"]),
 ];
 
@@ -129,6 +131,9 @@ fn codes(operation: &Value) -> Vec<&'static str> {
             .filter(|(name, _)| *name == id)
             .flat_map(|(_, codes)| *codes),
     );
+    if !OPEN.contains(&id) {
+        codes.extend(["unauthenticated", "forbidden", "too_many_requests"]);
+    }
     if !FIXED.contains(&id) {
         codes.push("unavailable");
     }

@@ -1,11 +1,11 @@
 //! One session in the memory of the process that has it.
 
 use super::log::Log;
-use super::rate::Rate;
 use crate::experiment::session::{Checked, Entry, EntryFate, Session, SessionEvent};
 use crate::model::fault::Fault;
 use crate::service::build_info::VERSION;
 use crate::service::error::ServiceError;
+use crate::service::rate::Rate;
 use crate::service::storage::{Checkpoint, LogAppend, SessionEnd, Storage};
 use crate::service::types::{Pushed, PushedResult};
 use serde_json::json;
@@ -18,6 +18,8 @@ use uuid::Uuid;
 /// Scans and bytes of a session that may wait to be taken.
 const QUEUED_SCANS: usize = 64;
 const QUEUED_BYTES: usize = 8 << 20;
+/// Scans that did not come in so long may come at once.
+const SAVED: Duration = Duration::from_secs(10);
 /// A checkpoint is due after so many entries, or so long, since the last.
 const CHECKPOINT_ENTRIES: u64 = 512;
 const CHECKPOINT_AGE: Duration = Duration::from_secs(5);
@@ -52,7 +54,7 @@ struct Turn {
 impl Live {
     pub fn new(id: Uuid, fence: i64, session: Session, entries: u64, checkpoint: u64) -> Self {
         let per_s = session.scene().rules().max_scans_per_s;
-        let rate = per_s.map(|per_s| Mutex::new(Rate::new(per_s, Instant::now())));
+        let rate = per_s.map(|per_s| Mutex::new(Rate::new(per_s, SAVED, Instant::now())));
         Live {
             id,
             fence,

@@ -5,7 +5,6 @@ mod hand;
 mod live;
 mod log;
 mod picture;
-mod rate;
 mod recording;
 mod table;
 mod told;

@@ -423,7 +423,7 @@ mod tests {
         );
         assert!(
             error.contains("version 99")
-                && error.contains("up to version 8")
+                && error.contains("up to version 9")
                 && error.contains("newer trackloom"),
             "{error}"
         );

@@ -36,6 +36,7 @@ pub const SQLITE_TABLES: &Migrations = &[
         "log bytes",
         include_str!("migrations/sqlite/0008_log_bytes.sql"),
     ),
+    (9, "keys", include_str!("migrations/sqlite/0009_keys.sql")),
 ];
 
 pub const POSTGRES_TABLES: &Migrations = &[
@@ -69,4 +70,5 @@ pub const POSTGRES_TABLES: &Migrations = &[
         "log bytes",
         include_str!("migrations/postgres/0008_log_bytes.sql"),
     ),
+    (9, "keys", include_str!("migrations/postgres/0009_keys.sql")),
 ];

@@ -9,6 +9,12 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
     ("malformed_request", 400, "The request is malformed"),
     ("malformed_json", 400, "The body is not JSON"),
     ("invalid_cursor", 400, "The cursor is not one of ours"),
+    (
+        "unauthenticated",
+        401,
+        "A key is needed, and none that opens was given",
+    ),
+    ("forbidden", 403, "The key does not allow it"),
     ("foreign_host", 403, "The host is not one of this service"),
     ("cross_site", 403, "The request comes from another site"),
     ("not_found", 404, "There is no such thing"),
@@ -56,6 +62,7 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
         429,
         "As much waits for the session as it takes",
     ),
+    ("too_many_requests", 429, "The key asks too often"),
     ("internal", 500, "An error inside the service"),
     ("damaged", 500, "A stored file is damaged"),
     (

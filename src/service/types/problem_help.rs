@@ -26,6 +26,16 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "Take next_cursor from the page before, and keep sort as it was. Leave cursor out for the first page.",
     ),
     (
+        "unauthenticated",
+        "The service asks for keys. The request has none, or one that is unknown, has ended or was revoked; the detail says which.",
+        "Send Authorization: Bearer and the key, or sign in on the page. Whoever runs the service makes keys with trackloom keys.",
+    ),
+    (
+        "forbidden",
+        "The key is good, but does not allow what the detail names.",
+        "Ask for a key that allows it.",
+    ),
+    (
         "foreign_host",
         "The request names a host that the service does not know as its own. So no web page can reach it through a name of its own.",
         "Ask by localhost or by the address of the machine, or start the service with --allow-host and that name.",
@@ -139,6 +149,11 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "session_full",
         "Scans that were pushed before still wait to be written and taken, as many as a session holds, or scans come faster than its max_scans_per_s.",
         "Push again after the time in Retry-After, and push several scans at once.",
+    ),
+    (
+        "too_many_requests",
+        "More requests came with the key than its requests_per_minute allow.",
+        "Ask again after the time in Retry-After, and follow events instead of asking again and again.",
     ),
     (
         "internal",

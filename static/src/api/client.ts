@@ -3,6 +3,7 @@
 
 import createClient from "openapi-fetch";
 import type { components, paths } from "../../generated/api";
+import { isShut } from "../state/door";
 import type {
   Artifact,
   AssociationMap,
@@ -53,6 +54,7 @@ export async function taken<T>(call: Promise<Answer<T>>): Promise<T> {
   });
   if (answer.data !== undefined && answer.response.ok) return answer.data;
   const problem = answer.error as Partial<Problem> | undefined;
+  if (problem?.code === "unauthenticated") isShut.value = true;
   if (typeof problem?.title === "string") throw new ApiError(problem as Problem);
   const { status } = answer.response;
   throw own("Unexpected answer", "unexpected", `The service answered ${status}.`, status);

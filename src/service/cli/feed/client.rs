@@ -3,7 +3,9 @@
 use crate::experiment::session::{EntryFate, SensorHeard, Takes};
 use crate::model::fault::Fault;
 use crate::model::space::Frame;
+use crate::service::cli::keys::own_key;
 use anyhow::{Context, anyhow, bail};
+use reqwest::header::{AUTHORIZATION, HeaderMap, HeaderValue};
 use reqwest::{Method, RequestBuilder, Response, StatusCode};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -122,10 +124,22 @@ impl SessionSeen {
     }
 }
 
+/// With the key of the environment, if it has one.
+fn headers() -> anyhow::Result<HeaderMap> {
+    let mut headers = HeaderMap::new();
+    if let Some(key) = own_key() {
+        let value = HeaderValue::from_str(&format!("Bearer {key}"));
+        let mut value = value.context("the key in the environment is no key")?;
+        value.set_sensitive(true);
+        headers.insert(AUTHORIZATION, value);
+    }
+    Ok(headers)
+}
+
 impl Client {
     pub fn new(server: &str, patience: Duration) -> anyhow::Result<Self> {
         Client::check(server)?;
-        let http = reqwest::Client::builder();
+        let http = reqwest::Client::builder().default_headers(headers()?);
         let http = http.connect_timeout(CONNECT).timeout(ANSWER).build()?;
         Ok(Client {
             http,
