@@ -13,7 +13,7 @@ mod json;
 mod mot;
 mod outputs;
 #[cfg(feature = "parquet")]
-mod packed_columns;
+pub mod packed_columns;
 mod poses;
 mod round_trip;
 mod volumes;

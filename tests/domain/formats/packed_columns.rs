@@ -13,6 +13,24 @@ use std::sync::Arc;
 
 const TEXT: &str = "time_s,truth_id,x_m,y_m\n0,a,0.1,-7\n1,a,2.5,8\n2,b,3,1e5\n";
 
+/// The table of `TEXT`, packed in every way.
+pub fn packed() -> Vec<(&'static str, Vec<u8>)> {
+    let mut files = Vec::new();
+    for version in [WriterVersion::PARQUET_1_0, WriterVersion::PARQUET_2_0] {
+        for codec in codecs() {
+            files.push(("parquet", parquet(&table(), codec, version)));
+        }
+    }
+    for codec in [
+        None,
+        Some(CompressionType::LZ4_FRAME),
+        Some(CompressionType::ZSTD),
+    ] {
+        files.push(("arrow", arrow(&table(), codec)));
+    }
+    files
+}
+
 fn table() -> RecordBatch {
     let columns: [(&str, ArrayRef); 4] = [
         ("time_s", Arc::new(Float64Array::from(vec![0.0, 1.0, 2.0]))),
@@ -81,22 +99,10 @@ fn codecs() -> [Compression; 6] {
 #[test]
 fn every_codec_gives_the_same_dataset() {
     let wanted = read("csv", TEXT).expect("the text is sound").dataset;
-    for version in [WriterVersion::PARQUET_1_0, WriterVersion::PARQUET_2_0] {
-        for codec in codecs() {
-            let bytes = parquet(&table(), codec, version);
-            let found =
-                read("parquet", bytes).unwrap_or_else(|faults| panic!("{codec}: {faults:#?}"));
-            assert_eq!(found.dataset, wanted, "{codec}");
-        }
-    }
-    for codec in [
-        None,
-        Some(CompressionType::LZ4_FRAME),
-        Some(CompressionType::ZSTD),
-    ] {
-        let bytes = arrow(&table(), codec);
-        let found = read("arrow", bytes).unwrap_or_else(|faults| panic!("{codec:?}: {faults:#?}"));
-        assert_eq!(found.dataset, wanted, "{codec:?}");
+    for (number, (format, bytes)) in packed().into_iter().enumerate() {
+        let found = read(format, bytes)
+            .unwrap_or_else(|faults| panic!("{format}, way {number}: {faults:#?}"));
+        assert_eq!(found.dataset, wanted, "{format}, way {number}");
     }
 }
 

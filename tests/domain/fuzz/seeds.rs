@@ -283,8 +283,15 @@ pub fn seeds() -> Vec<Seed> {
     seeds.extend(blocks());
     seeds.push(gzip("packed truth", "csv", TRUTH));
     seeds.push(gzip("packed sentences", "ais", SENTENCES));
-    if cfg!(feature = "parquet") {
+    #[cfg(feature = "parquet")]
+    {
         seeds.extend(["parquet", "arrow"].into_iter().filter_map(written));
+        let packed = crate::formats::packed_columns::packed();
+        seeds.extend(
+            packed
+                .into_iter()
+                .map(|(name, bytes)| binary(name, name, bytes)),
+        );
     }
     seeds
 }
