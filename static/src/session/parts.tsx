@@ -185,7 +185,9 @@ function told(event: SessionEvent): string {
   const words = WORDS[kind] ?? kind;
   const into = into_track_id ? ` into ${into_track_id}` : "";
   const what = kind === "limited" ? "tracks" : "scans";
-  return `${words}${into}${sensor_id ? `, ${sensor_id}` : ""}${several ? ` (${several} ${what})` : ""}`;
+  const whose = sensor_id ? `, ${sensor_id}` : "";
+  const many = several ? ` (${several} ${what})` : "";
+  return `${words}${into}${whose}${many}`;
 }
 
 export function Events({ follower }: { follower: Follower }): JSX.Element {

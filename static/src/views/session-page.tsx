@@ -60,7 +60,8 @@ function Head({ session, follower, error }: HeadProps): JSX.Element {
   return (
     <header class="job-head">
       <p class="crumbs">
-        <Link href={pageHref({ view: "sessions" })}>Sessions</Link> <span class="muted">/</span>{" "}
+        <Link href={pageHref({ view: "sessions" })}>Sessions</Link>
+        <span class="muted"> / </span>
         <span class="mono">{session.id}</span>
       </p>
       <div class="title-row">
@@ -149,6 +150,17 @@ function BondNote({ follower }: { follower: Follower }): JSX.Element | null {
   );
 }
 
+const LOG_IS_KEPT =
+  "It takes no more scans. Its log is kept: " +
+  "POST /v1/sessions/{id}/recording makes a data set of it.";
+
+function whatBecame({ state, dataset_id, entries }: Session): string {
+  if (state === "failed") return LOG_IS_KEPT;
+  if (!dataset_id) return "It took no scan, so there is no data set.";
+  const became = `Its ${count(entries)} entries became a data set`;
+  return `${became}, which a job tracks with the same settings.`;
+}
+
 function Became({ session }: { session: Session }): JSX.Element {
   const { dataset_id, job_id, fault } = session;
   const problem = fault as { detail?: string } | undefined;
@@ -156,13 +168,7 @@ function Became({ session }: { session: Session }): JSX.Element {
     <section class="panel became" aria-label="What became of it">
       <h2>{session.state === "failed" ? "The session failed" : "The session is closed"}</h2>
       {problem ? <p class="error-text">{problem.detail ?? JSON.stringify(fault)}</p> : null}
-      <p>
-        {session.state === "failed"
-          ? "It takes no more scans. Its log is kept: POST /v1/sessions/{id}/recording makes a data set of it."
-          : dataset_id
-            ? `Its ${count(session.entries)} entries became a data set, which a job tracks with the same settings.`
-            : "It took no scan, so there is no data set."}
-      </p>
+      <p>{whatBecame(session)}</p>
       <p class="row">
         {job_id ? (
           <Link class="button primary" href={pageHref({ view: "job", job: job_id, tab: "plan" })}>
