@@ -285,7 +285,9 @@ impl Sample {
     fn feed(&self, server: &Server, source: &str) -> Command {
         let mut command = trackloom();
         command.args(["feed", "--server", &server.url, source, "--settle-s", "120"]);
-        command.args(["--sensor", &format!("{}=own", self.sensor_id)]);
+        if !self.sensor_id.is_empty() {
+            command.args(["--sensor", &format!("{}=own", self.sensor_id)]);
+        }
         for (name, value) in &self.options {
             command.args(["--option", &format!("{name}={value}")]);
         }
@@ -406,6 +408,16 @@ fn from_stdin(mut command: Command, bytes: &[u8], size: usize) -> Output {
     }
     drop(input);
     done(child.wait_with_output().unwrap())
+}
+
+/// What a feed says that is refused, be it before it has read its standard input.
+#[track_caller]
+fn refused(mut command: Command, bytes: &[u8]) -> String {
+    let mut child = command.stdin(Stdio::piped()).spawn().unwrap();
+    let _ = child.stdin.take().unwrap().write_all(bytes);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    said(&output)
 }
 
 /// The first line that a feed says on its standard error, and the rest of it.
@@ -959,5 +971,45 @@ async fn sensors_that_are_none_of_the_session_are_left_out_and_counted() {
         let found = closed(&server, &id_of(&output)).await;
         assert_eq!((found.scans, found.detections.len()), (10, 10));
         assert!(found.detections.iter().all(|(id, _)| id.starts_with('a')));
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_two_sensors_none_is_taken_for_the_only_one_of_the_session() {
+    let (data, folder) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let server = Server::start(data.path(), &[]);
+    let mut text = String::from("time_s,scan,sensor_id,detection_id,x_m,y_m\n");
+    for scan in 0..10 {
+        text.push_str(&format!(
+            "{scan},{scan},25/1,a{scan},{scan},1\n{scan}.5,{scan},25/2,b{scan},{scan},2\n"
+        ));
+    }
+    let bytes = text.into_bytes();
+    let unsaid = Sample {
+        bytes: bytes.clone(),
+        sensor_id: "",
+        ..table()
+    };
+    let second = Sample {
+        bytes,
+        sensor_id: "25/2",
+        ..table()
+    };
+    let file = unsaid.file(folder.path());
+    let wanted = [
+        "which sensor of the session '25/1' is",
+        "'25/1' was taken for the only sensor, but there is '25/2', too",
+    ];
+    for (source, wanted) in [file.as_str(), "-"].into_iter().zip(wanted) {
+        let mut command = unsaid.command(&server, folder.path(), source);
+        command.args(["--speed", "max"]);
+        let told = refused(command, &unsaid.bytes);
+        assert!(told.contains(wanted), "{source}: {told}");
+        let mut command = second.command(&server, folder.path(), source);
+        command.args(["--speed", "max"]);
+        let output = from_stdin(command, &second.bytes, 50);
+        let found = closed(&server, &id_of(&output)).await;
+        assert_eq!((found.scans, found.detections.len()), (10, 10), "{source}");
+        assert!(found.detections.iter().all(|(id, _)| id.starts_with('b')));
     }
 }

@@ -125,10 +125,17 @@ fn names_of(
     mapping: &mut Mapping,
 ) -> Result<Vec<Option<String>>, Vec<Fault>> {
     let used: BTreeSet<usize> = parts.scans.iter().map(|scan| scan.sensor).collect();
+    if used.len() > 1 {
+        mapping.know_several();
+    }
     let (mut names, mut faults) = (Vec::new(), Vec::new());
     for (index, sensor) in parts.sensors.iter().enumerate() {
+        if !used.contains(&index) {
+            names.push(None);
+            continue;
+        }
         let name = mapping.of(&sensor.sensor_id).map(str::to_owned);
-        if name.is_none() && used.contains(&index) {
+        if name.is_none() {
             faults.push(mapping.unknown(&sensor.sensor_id));
         }
         names.push(name);

@@ -8,8 +8,10 @@ pub(super) struct Mapping {
     said: BTreeMap<String, String>,
     /// Sensors of the session.
     known: Vec<String>,
-    /// The sensor of the file that is the only one of the session.
-    taken_by: Option<String>,
+    /// The sensor of the file that is taken for the only one of the session, as nobody said otherwise.
+    guessed: Option<String>,
+    /// Nothing tells yet that the file has several sensors, or that the only one of the session is taken.
+    may_guess: bool,
 }
 
 impl Mapping {
@@ -40,31 +42,48 @@ impl Mapping {
         Ok(Mapping {
             said,
             known,
-            taken_by: None,
+            guessed: None,
+            may_guess: pairs.is_empty(),
         })
     }
 
-    /// The sensor of the session: as it was said, the one of the same name, or the only one.
+    /// Says that the file has several sensors.
+    pub fn know_several(&mut self) {
+        self.may_guess = false;
+    }
+
+    /// The sensor of the session: as it was said, the one of the same name, or the only one of both.
     pub fn of(&mut self, file_id: &str) -> Option<&str> {
         if let Some(said) = self.said.get(file_id) {
             return Some(said);
         }
         if let Some(same) = self.known.iter().find(|known| *known == file_id) {
-            return Some(same);
+            self.may_guess = false;
+            return self.guessed.is_none().then_some(same);
         }
         let [only] = self.known.as_slice() else {
             return None;
         };
-        if !self.said.is_empty() {
+        if !self.may_guess && self.guessed.is_none() {
             return None;
         }
-        let taken_by = self.taken_by.get_or_insert_with(|| file_id.to_owned());
-        (taken_by == file_id).then_some(only.as_str())
+        let guessed = self.guessed.get_or_insert_with(|| file_id.to_owned());
+        (guessed == file_id).then_some(only.as_str())
+    }
+
+    /// Whether another sensor was taken for the only one before this one, which is none of the session's, was seen.
+    pub fn guessed_wrong(&self) -> bool {
+        self.guessed.is_some()
     }
 
     /// The fault of a sensor that is none of the session's.
     pub fn unknown(&self, file_id: &str) -> Fault {
-        let detail = format!("nobody says which sensor of the session '{file_id}' is");
+        let detail = match &self.guessed {
+            Some(first) => {
+                format!("'{first}' was taken for the only sensor, but there is '{file_id}', too")
+            }
+            None => format!("nobody says which sensor of the session '{file_id}' is"),
+        };
         let known = self.known.join(", ");
         let allowed = format!("--sensor '{file_id}=…' with one of {known}");
         Fault::new("--sensor", "missing", detail).allowing(allowed)
@@ -94,8 +113,18 @@ mod tests {
         assert_eq!(several.of("25/2"), None);
         let mut only = mapping(&[], &["radar"]);
         assert_eq!(only.of("25/2"), Some("radar"));
-        assert_eq!(only.of("25/3"), None, "two cannot be one");
-        assert_eq!(only.of("25/2"), Some("radar"));
+        assert!(
+            only.of("25/3").is_none() && only.guessed_wrong(),
+            "two cannot be one"
+        );
+        let mut of_several = mapping(&[], &["radar"]);
+        of_several.know_several();
+        assert_eq!(of_several.of("25/2"), None, "which of them?");
+        assert_eq!(of_several.of("radar"), Some("radar"));
+        assert!(!of_several.guessed_wrong());
+        let mut by_name = mapping(&[], &["radar"]);
+        assert_eq!(by_name.of("radar"), Some("radar"));
+        assert_eq!(by_name.of("25/2"), None, "the only one is there already");
         assert_eq!(mapping(&["a=radar"], &["radar"]).of("b"), None);
     }
 

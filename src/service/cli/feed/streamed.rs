@@ -112,8 +112,9 @@ impl Streaming {
                     break;
                 }
             }
-            self.gather(feeding, is_open);
+            let gathered = self.gather(feeding, is_open);
             self.push(feeding).await?;
+            gathered?;
         }
         match self.queue.failure() {
             Some(error) => Err(Trouble::Failed(error)),
@@ -139,7 +140,9 @@ impl Streaming {
         Ok(true)
     }
 
-    fn gather(&mut self, feeding: &mut Feeding, is_open: bool) {
+    /// # Errors
+    /// There is a second sensor, while the first was taken for the only one.
+    fn gather(&mut self, feeding: &mut Feeding, is_open: bool) -> Result<(), Vec<Fault>> {
         let whole = if is_open {
             self.gatherer.whole(now_s())
         } else {
@@ -149,6 +152,9 @@ impl Streaming {
             self.superseded += scan.superseded;
             match feeding.mapping.of(&scan.sensor).map(str::to_owned) {
                 Some(sensor_id) => self.number(ready_of(scan, sensor_id)),
+                None if feeding.mapping.guessed_wrong() => {
+                    return Err(vec![feeding.mapping.unknown(&scan.sensor)]);
+                }
                 None => {
                     let units = scan.detections.len() as u64;
                     let known = self.unknown.contains_key(&*scan.sensor);
@@ -161,6 +167,7 @@ impl Streaming {
                 }
             }
         }
+        Ok(())
     }
 
     /// Gives a scan its number, where its sender has none.
