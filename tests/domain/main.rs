@@ -55,6 +55,7 @@ mod own;
 mod own_ship;
 mod polar;
 mod real_files;
+mod recorded_targets;
 mod recordings;
 mod recordings_undescribed;
 mod requests_again;
