@@ -14,6 +14,7 @@ mod keys;
 mod reading;
 mod report;
 mod run;
+mod settings;
 mod size;
 mod table;
 
@@ -149,6 +150,8 @@ struct ServeArguments {
     queue_limit: u64,
     #[command(flatten)]
     jobs: JobArguments,
+    #[command(flatten)]
+    settings: SettingsArguments,
 }
 
 /// Of every process that runs jobs.
@@ -185,6 +188,23 @@ impl ServeArguments {
     }
 }
 
+/// Of every process that runs for long.
+#[derive(Args)]
+struct SettingsArguments {
+    /// File of settings, a NAME=value a line with the names of the variables: what neither an argument nor a variable says
+    #[arg(long, env = "TRACKLOOM_CONFIG", value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// How lines of the log on stderr are written: for people, or as JSON, one object a line
+    #[arg(long, env = "TRACKLOOM_LOG_FORMAT", value_enum, default_value = "text")]
+    log_format: LogFormat,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum LogFormat {
+    Text,
+    Json,
+}
+
 #[derive(Args)]
 struct WorkerArguments {
     /// PostgreSQL of the service, such as postgres://user:password@host/database
@@ -205,6 +225,8 @@ struct WorkerArguments {
     artifacts: Option<BucketUrl>,
     #[command(flatten)]
     jobs: JobArguments,
+    #[command(flatten)]
+    settings: SettingsArguments,
 }
 
 impl WorkerArguments {
@@ -226,7 +248,13 @@ const BAD_INPUT: u8 = 2;
 
 /// Runs the command of the process's arguments. Exit codes: 0 done, 1 failed, 2 bad input.
 pub fn main() -> ExitCode {
-    let command = Arguments::parse().command;
+    let command = match settings::arguments() {
+        Ok(arguments) => arguments.command,
+        Err(refusal) => {
+            eprintln!("trackloom: {refusal}");
+            return ExitCode::from(BAD_INPUT);
+        }
+    };
     if let Some(Err(refusal)) = command
         .listener()
         .map(|serve| serve.access.check(serve.listen))
@@ -235,8 +263,14 @@ pub fn main() -> ExitCode {
         return ExitCode::from(BAD_INPUT);
     }
     let result = match command {
-        Command::Serve(arguments) => blocking(crate::service::server::serve(arguments.config())),
-        Command::Worker(arguments) => blocking(crate::service::server::work(arguments.config())),
+        Command::Serve(arguments) => {
+            let service = crate::service::server::serve(arguments.config());
+            blocking(&arguments.settings, service)
+        }
+        Command::Worker(arguments) => {
+            let work = crate::service::server::work(arguments.config());
+            blocking(&arguments.settings, work)
+        }
         Command::Run(arguments) => return run::run(&arguments),
         Command::Compare(arguments) => return compare::run(&arguments),
         Command::Report(arguments) => return report::run(&arguments),
@@ -244,7 +278,9 @@ pub fn main() -> ExitCode {
         Command::Feed(arguments) => return feed::run(&arguments),
         Command::Inspect(arguments) => return inspect::run(&arguments),
         Command::Keys(arguments) => return keys::run(&arguments),
-        Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
+        Command::Demo { serve, once } => {
+            blocking(&serve.settings, demo::demo(serve.config(), once))
+        }
         Command::Methods(arguments) => return catalogue::print_methods(&arguments),
         Command::Presets(arguments) => return catalogue::print_presets(&arguments),
         Command::Child { memory } => child::run(memory),
@@ -262,20 +298,29 @@ pub fn main() -> ExitCode {
 }
 
 /// What the service says of itself goes to stderr, as much as `RUST_LOG` asks for.
-fn log() {
+fn log(settings: &SettingsArguments) {
     let level =
         EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn,trackloom=info"));
     let stderr = std::io::stderr;
-    tracing_subscriber::fmt()
+    let log = tracing_subscriber::fmt()
         .with_env_filter(level)
         .with_writer(stderr)
-        .with_ansi(stderr().is_terminal())
-        .init();
+        .with_ansi(stderr().is_terminal());
+    match settings.log_format {
+        LogFormat::Text => log.init(),
+        LogFormat::Json => log.json().flatten_event(true).init(),
+    }
+    if let Some(path) = &settings.config {
+        tracing::info!(file = %path.display(), "settings");
+    }
 }
 
 /// Runs the service on a runtime of its own.
-fn blocking(service: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
-    log();
+fn blocking(
+    settings: &SettingsArguments,
+    service: impl Future<Output = anyhow::Result<()>>,
+) -> anyhow::Result<()> {
+    log(settings);
     tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()?
