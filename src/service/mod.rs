@@ -23,6 +23,7 @@ pub mod error;
 pub mod http;
 pub mod jobs;
 pub mod keys;
+pub mod monitoring;
 pub mod openapi;
 mod rate;
 pub mod server;

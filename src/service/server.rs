@@ -4,12 +4,12 @@ use super::config::Config;
 use super::connections;
 use super::http::{self, AppState, Constant, Documents, Hosts, Streams};
 use super::jobs::Jobs;
+use super::monitoring;
 use super::openapi;
 use anyhow::Context;
 use axum::Router;
-use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
 use std::net::SocketAddr;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::signal::unix::{Signal, SignalKind, signal};
@@ -155,30 +155,13 @@ pub fn state(config: &Config, jobs: Arc<Jobs>) -> anyhow::Result<AppState> {
         has_tls: config.has_tls(),
         jobs,
         max_upload_bytes: config.max_upload_bytes,
-        metrics: metrics()?,
+        metrics: monitoring::recorder()?,
         documents: Arc::new(Documents {
             v3_1: Constant::new(&openapi::document()),
             v3_0: Constant::new(&openapi::document_3_0()),
         }),
         streams: Streams::new(&config.connections),
     })
-}
-
-/// The recorder is one for the process; several servers in one process share it.
-fn metrics() -> anyhow::Result<PrometheusHandle> {
-    static HANDLE: OnceLock<Option<PrometheusHandle>> = OnceLock::new();
-    let buckets = [0.001, 0.005, 0.025, 0.1, 0.5, 2.5, 10.0, 30.0];
-    let install = || {
-        PrometheusBuilder::new()
-            .set_buckets(&buckets)
-            .ok()?
-            .install_recorder()
-            .ok()
-    };
-    HANDLE
-        .get_or_init(install)
-        .clone()
-        .context("metrics cannot be recorded: another recorder is installed")
 }
 
 /// SIGTERM and SIGINT. Without signals the process can only be killed, which the storage survives.

@@ -143,4 +143,17 @@ async fn numbers_are_by_route_and_by_state() {
         "{text}"
     );
     assert!(!text.contains(id(&job)), "an id is no label");
+    let page = include_str!("../../docs/monitoring.md");
+    for line in text.lines().filter_map(|line| line.strip_prefix("# TYPE ")) {
+        let (name, kind) = line.split_once(' ').unwrap();
+        assert!(
+            text.contains(&format!("# HELP {name} ")),
+            "{name} has no words"
+        );
+        assert!(page.contains(&format!("| `{name}` | {kind} |")), "{line}");
+    }
+    let free = text
+        .lines()
+        .find_map(|line| line.strip_prefix("trackloom_disk_free_bytes "));
+    assert!(free.unwrap().parse::<f64>().unwrap() > 0.0);
 }

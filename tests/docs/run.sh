@@ -8,4 +8,5 @@ program=$(realpath "$1")
 
 start_server "$program"
 TMPDIR=$work python3 "$root/tests/docs/run.py" "$program" "$address" "$root/openapi/openapi.json" "$root/README.md" "$root"/docs/*.md
+"$root/tests/docs/deploy.py" "$program" "$address"
 stop_server

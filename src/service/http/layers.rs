@@ -2,6 +2,7 @@
 
 use super::hosts::{Hosts, guard};
 use crate::service::http::error::{ApiError, problem_of_status};
+use crate::service::monitoring;
 use crate::service::types::Problem;
 use axum::Router;
 use axum::extract::{MatchedPath, Request};
@@ -108,9 +109,8 @@ async fn measure(request: Request, next: Next) -> Response {
         ("route", route),
         ("status", response.status().as_u16().to_string()),
     ];
-    metrics::counter!("trackloom_http_requests_total", &labels).increment(1);
-    metrics::histogram!("trackloom_http_request_duration_seconds", &labels)
-        .record(start.elapsed().as_secs_f64());
+    metrics::counter!(monitoring::REQUESTS, &labels).increment(1);
+    metrics::histogram!(monitoring::REQUEST_SECONDS, &labels).record(start.elapsed().as_secs_f64());
     response
 }
 

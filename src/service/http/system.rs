@@ -5,6 +5,7 @@ use super::query::NoParams;
 use super::state::AppState;
 use crate::service::build_info;
 use crate::service::http::error::{ApiError, ApiResult};
+use crate::service::monitoring;
 use crate::service::types::JobState;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, Method, header};
@@ -71,16 +72,19 @@ async fn get_readiness(State(app): State<AppState>, _: NoParams) -> ApiResult<Js
 
 /// Numbers for monitoring
 ///
-/// In the text format of Prometheus: requests by route, jobs by state.
+/// In the text format of Prometheus, each with its words: requests by route, jobs by state, live sessions, the disk.
 #[utoipa::path(get, path = "/metrics", operation_id = "getMetrics", tag = "system",
     responses((status = 200, description = "The numbers.", content_type = "text/plain", body = String)))]
 async fn get_metrics(State(app): State<AppState>, _: NoParams) -> ApiResult {
     let counts = app.jobs.counts().await?;
     for state in JobState::ALL {
         let count = counts.get(&state).copied().unwrap_or(0);
-        metrics::gauge!("trackloom_jobs", "state" => state.name()).set(count as f64);
+        metrics::gauge!(monitoring::JOBS, "state" => state.name()).set(count as f64);
     }
     app.sessions.count();
+    if let Some(bytes) = app.jobs.disk_free_bytes() {
+        metrics::gauge!(monitoring::DISK_FREE).set(bytes as f64);
+    }
     app.metrics.run_upkeep();
     Ok((
         [(

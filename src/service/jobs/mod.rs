@@ -116,6 +116,11 @@ impl Jobs {
         self.room.check(bytes)
     }
 
+    /// What is free on the disk of the data directory; `None` where nobody can tell.
+    pub fn disk_free_bytes(&self) -> Option<u64> {
+        self.room.free_bytes()
+    }
+
     /// Whether [`Self::shutdown`] has begun.
     pub fn is_shutting_down(&self) -> bool {
         self.closing.is_cancelled()

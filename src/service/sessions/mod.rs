@@ -18,6 +18,7 @@ use super::types::{
 use crate::experiment::session::{Entry, Scene, Session, SessionEvent, is_over, read_scan};
 use crate::model::fault::Fault;
 use crate::service::build_info::VERSION;
+use crate::service::monitoring;
 use anyhow::Context;
 use ending::Ending;
 use futures::{Stream, stream};
@@ -114,10 +115,10 @@ impl Sessions {
             lag_s = lag_s.max(session.lag_s().unwrap_or_default());
             tracks += session.count_tracks().0;
         }
-        metrics::gauge!("trackloom_sessions").set(all.len() as f64);
-        metrics::gauge!("trackloom_session_tracks").set(tracks as f64);
-        metrics::gauge!("trackloom_session_waiting_scans").set(waiting as f64);
-        metrics::gauge!("trackloom_session_lag_seconds").set(lag_s);
+        metrics::gauge!(monitoring::SESSIONS).set(all.len() as f64);
+        metrics::gauge!(monitoring::SESSION_TRACKS).set(tracks as f64);
+        metrics::gauge!(monitoring::SESSION_WAITING).set(waiting as f64);
+        metrics::gauge!(monitoring::SESSION_LAG).set(lag_s);
     }
 
     /// Writes down what is open, and gives it back.

@@ -122,16 +122,7 @@ impl Room {
         let no =
             |error: rustix::io::Errno| NoRoom::NotWritable(std::io::Error::from(error).to_string());
         access(&self.directory, Access::WRITE_OK).map_err(no)?;
-        let StatVfs {
-            f_blocks,
-            f_bavail,
-            f_frsize,
-            ..
-        } = statvfs(&self.directory).map_err(no)?;
-        let (total_bytes, free_bytes) = (
-            f_blocks.saturating_mul(f_frsize),
-            f_bavail.saturating_mul(f_frsize),
-        );
+        let (total_bytes, free_bytes) = total_and_free(&self.directory).map_err(no)?;
         let min_free_bytes = self.min_free.bytes(total_bytes);
         // Even where nothing is to be kept free, a disk without a byte is full.
         if free_bytes < min_free_bytes.saturating_add(bytes.max(1)) {
@@ -142,6 +133,26 @@ impl Room {
         }
         Ok(())
     }
+
+    /// What is free; `None` where the directory is gone.
+    pub fn free_bytes(&self) -> Option<u64> {
+        let (_, free_bytes) = total_and_free(&self.directory).ok()?;
+        Some(free_bytes)
+    }
+}
+
+/// The bytes of the file system of a directory, and those that are free.
+fn total_and_free(directory: &Path) -> rustix::io::Result<(u64, u64)> {
+    let StatVfs {
+        f_blocks,
+        f_bavail,
+        f_frsize,
+        ..
+    } = statvfs(directory)?;
+    Ok((
+        f_blocks.saturating_mul(f_frsize),
+        f_bavail.saturating_mul(f_frsize),
+    ))
 }
 
 #[cfg(test)]
