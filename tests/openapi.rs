@@ -7,7 +7,7 @@ use trackloom::experiment::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 64] = [
+const OPERATIONS: [&str; 65] = [
     "beginSessionTrack",
     "cancelJob",
     "closeSession",
@@ -47,6 +47,7 @@ const OPERATIONS: [&str; 64] = [
     "getSessionHistory",
     "getSessionPicture",
     "getSessionTrack",
+    "getUsage",
     "getVersion",
     "listDatasets",
     "listJobArtifacts",

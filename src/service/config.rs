@@ -29,6 +29,10 @@ pub struct Config {
     pub artifacts: Option<BucketUrl>,
     /// What has to stay free on the disk of `data_dir`; below it nothing new is taken.
     pub min_free: MinFree,
+    /// What may be kept; above it the jobs that ended first go. No limit when absent.
+    pub max_data_bytes: Option<u64>,
+    /// How many jobs that have ended are kept. All when absent.
+    pub keep_jobs: Option<u64>,
     /// Jobs that run at the same time.
     pub slots: usize,
     /// Jobs that may be queued before a new one is refused.
@@ -57,6 +61,8 @@ impl Config {
             database_url: None,
             artifacts: None,
             min_free: MinFree::Usual,
+            max_data_bytes: None,
+            keep_jobs: None,
             slots: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,
             job_time_limit: Duration::from_secs(3600),

@@ -18,8 +18,7 @@ pub struct Api {
     pub client: Client,
     pub jobs: Arc<Jobs>,
     server: Option<Server>,
-    /// Held for its drop.
-    _directory: TempDir,
+    directory: TempDir,
 }
 
 /// What the server said.
@@ -89,6 +88,11 @@ pub fn problem(code: &str, status: u16, title: &str, detail: &str) -> Value {
 }
 
 impl Api {
+    /// Where the service keeps everything.
+    pub fn data(&self) -> std::path::PathBuf {
+        self.directory.path().join("data")
+    }
+
     pub async fn start() -> Api {
         Api::start_with(|_| {}).await
     }
@@ -118,7 +122,7 @@ impl Api {
             client: Client::new(),
             jobs,
             server: Some(server),
-            _directory: directory,
+            directory,
         }
     }
 

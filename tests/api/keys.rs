@@ -19,7 +19,7 @@ const NEEDS: &[(&str, &str)] = &[
     (
         "read",
         "compareJobs downloadDataset downloadJobArtifact getCampaignCells getDataset getJob getJobHistory getJobPlan getJobReport \
-         getJobReportPage getJobSeries getJobSpec getMetrics getSession getSessionHistory getSessionPicture getSessionTrack listDatasets \
+         getJobReportPage getJobSeries getJobSpec getMetrics getSession getSessionHistory getSessionPicture getSessionTrack getUsage listDatasets \
          listJobArtifacts listJobs listSessionTracks listSessions previewDataset streamJobEvents streamSessionEvents validateJob",
     ),
     (

@@ -21,7 +21,7 @@ async fn name_and_labels_can_be_changed_and_nothing_else() {
     let refused = patch(json!({"seed": 4, "labels": {"a": 1}})).await;
     let faults = json!([
         {"pointer": "/labels/a", "code": "wrong_type", "detail": "expected a text, found a number", "allowed": "a text"},
-        {"pointer": "/seed", "code": "unknown_field", "detail": "unknown field 'seed'", "allowed": "name, labels"}
+        {"pointer": "/seed", "code": "unknown_field", "detail": "unknown field 'seed'", "allowed": "name, labels, pinned"}
     ]);
     assert_eq!(refused.problem(), validation("2 faults", faults));
 }

@@ -21,6 +21,7 @@ mod limits;
 mod problems;
 mod raw_uploads;
 mod results;
+mod retention;
 mod sessions;
 mod shutdown;
 mod told_at_once;

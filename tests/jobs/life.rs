@@ -474,6 +474,7 @@ async fn names_and_labels_can_be_changed_within_their_limits() {
             JobPatch {
                 name: Some("n".into()),
                 labels: Some(labels),
+                pinned: None,
             },
         )
         .await
@@ -488,6 +489,7 @@ async fn names_and_labels_can_be_changed_within_their_limits() {
             JobPatch {
                 name: Some(String::new()),
                 labels: None,
+                pinned: None,
             },
         )
         .await
@@ -496,6 +498,7 @@ async fn names_and_labels_can_be_changed_within_their_limits() {
     let long = JobPatch {
         name: Some("x".repeat(101)),
         labels: Some((0..33).map(|n| (n.to_string(), String::new())).collect()),
+        pinned: None,
     };
     let Err(ServiceError::Invalid(faults)) = service.patch(job.id, long).await else {
         panic!("accepted")

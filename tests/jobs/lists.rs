@@ -298,6 +298,7 @@ async fn texts_that_no_database_keeps_are_refused_whichever_it_is() {
     let patch = JobPatch {
         name: Some("\u{0}".into()),
         labels: Some([("k".to_owned(), "\u{0}".to_owned())].into()),
+        pinned: None,
     };
     let Err(ServiceError::Invalid(faults)) = service.patch(job.id, patch).await else {
         panic!("not refused")

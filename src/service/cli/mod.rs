@@ -143,6 +143,13 @@ struct ServeArguments {
     /// 5% and 1 GiB when absent
     #[arg(long, env = "TRACKLOOM_MIN_FREE", value_name = "BYTES|PERCENT")]
     min_free: Option<MinFree>,
+    /// What files and tables may take together, such as 50GiB: above it the jobs that ended first are deleted, with the datasets that they
+    /// made, unless they are pinned; where none may go, uploads and new jobs are refused. No limit when absent
+    #[arg(long, env = "TRACKLOOM_MAX_DATA", value_name = "SIZE", value_parser = size::kept)]
+    max_data: Option<u64>,
+    /// How many jobs that have ended are kept; older ones are deleted unless they are pinned. All when absent
+    #[arg(long, env = "TRACKLOOM_KEEP_JOBS", value_name = "COUNT")]
+    keep_jobs: Option<u64>,
     #[command(flatten)]
     access: access::AccessArguments,
     /// Jobs that may be queued before a new one is refused
@@ -179,6 +186,8 @@ impl ServeArguments {
         config.artifacts.clone_from(&self.artifacts);
         config.max_upload_bytes = self.max_upload_bytes;
         config.min_free = self.min_free.unwrap_or_default();
+        config.max_data_bytes = self.max_data;
+        config.keep_jobs = self.keep_jobs;
         config.database_url.clone_from(&self.database_url);
         config.job_memory_bytes = self.job_memory;
         if let Some(workers) = self.workers {

@@ -27,6 +27,20 @@ pub(super) fn job_memory(text: &str) -> Result<u64, String> {
     }
 }
 
+/// The least room that makes sense: tables alone take some hundred kilobytes.
+const LEAST_KEPT: u64 = 10 << 20;
+
+/// A size that leaves room for something to keep.
+pub(super) fn kept(text: &str) -> Result<u64, String> {
+    match bytes(text)? {
+        bytes if bytes < LEAST_KEPT => Err(format!(
+            "what is kept needs at least {}",
+            size_text(LEAST_KEPT)
+        )),
+        bytes => Ok(bytes),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

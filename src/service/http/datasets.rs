@@ -55,14 +55,7 @@ async fn upload_dataset(
 ) -> ApiResult {
     let is_dry = params.flag("dry_run");
     params.finish()?;
-    if let Err(error) = app
-        .jobs
-        .check_room(content_length(request.headers()).unwrap_or(0))
-    {
-        let headers = request.headers().clone();
-        drain(&headers, request.into_body()).await;
-        return Err(ServiceError::from(error).into());
-    }
+    let request = with_room(&app, request).await?;
     let upload = upload::receive(request, app.datasets.temp_dir(), app.max_upload_bytes).await?;
     take(&app, &upload, is_dry, ("/meta", "/file")).await
 }
@@ -82,6 +75,7 @@ async fn upload_raw_dataset(
     request: Request,
 ) -> ApiResult {
     let is_dry = params.flag("dry_run");
+    let request = with_room(&app, request).await?;
     let upload = raw_upload::receive(
         params,
         request,
@@ -90,6 +84,20 @@ async fn upload_raw_dataset(
     )
     .await?;
     take(&app, &upload, is_dry, ("/query", "")).await
+}
+
+/// The request, where there is room for its body; old jobs go for it.
+async fn with_room(app: &AppState, request: Request) -> Result<Request, ApiError> {
+    let bytes = content_length(request.headers()).unwrap_or(0);
+    app.jobs.make_room(bytes).await?;
+    match app.jobs.check_room(bytes) {
+        Ok(()) => Ok(request),
+        Err(error) => {
+            let headers = request.headers().clone();
+            drain(&headers, request.into_body()).await;
+            Err(ServiceError::from(error).into())
+        }
+    }
 }
 
 /// Keeps the upload, or only looks at it.

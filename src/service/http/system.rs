@@ -6,7 +6,7 @@ use super::state::AppState;
 use crate::service::build_info;
 use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::monitoring;
-use crate::service::types::JobState;
+use crate::service::types::{JobState, Usage};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, Method, header};
 use axum::response::{IntoResponse, Response};
@@ -23,6 +23,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(get_health))
         .routes(routes!(get_readiness))
         .routes(routes!(get_metrics))
+        .routes(routes!(get_usage))
         .routes(routes!(get_version))
 }
 
@@ -94,6 +95,15 @@ async fn get_metrics(State(app): State<AppState>, _: NoParams) -> ApiResult {
         app.metrics.render(),
     )
         .into_response())
+}
+
+/// How much is kept?
+///
+/// Bytes of files and tables, jobs that may go and jobs that stay, and the limits of both.
+#[utoipa::path(get, path = "/v1/usage", operation_id = "getUsage", tag = "system",
+    responses((status = 200, description = "What is kept.", body = Usage)))]
+async fn get_usage(State(app): State<AppState>, _: NoParams) -> ApiResult {
+    Ok(Json(app.jobs.usage().await?).into_response())
 }
 
 /// Which program is this?

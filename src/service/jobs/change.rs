@@ -20,13 +20,22 @@ pub static JOB_PATCH: Object = Object {
             Kind::Text { max_length: 100 },
         ),
         optional("labels", "All labels from now on.", text_map(32, 100)),
+        optional(
+            "pinned",
+            "Whether it stays when old jobs make room; only who asks deletes it then.",
+            Kind::Flag,
+        ),
     ],
 };
 
 impl Jobs {
     pub async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, ServiceError> {
         self.get(id).await?;
-        let JobPatch { name, labels } = patch;
+        let JobPatch {
+            name,
+            labels,
+            pinned,
+        } = patch;
         let mut body = Map::new();
         body.extend(name.as_ref().map(|name| ("name".to_owned(), json!(name))));
         body.extend(
@@ -38,6 +47,9 @@ impl Jobs {
         self.storage
             .patch_job(id, name.as_deref(), labels.as_ref())
             .await?;
+        if let Some(is_pinned) = pinned {
+            self.storage.pin_job(id, is_pinned).await?;
+        }
         self.get(id).await
     }
 

@@ -12,6 +12,7 @@ mod read;
 mod recent;
 mod report_page;
 mod request;
+mod retention;
 mod runner;
 mod sessions;
 mod submit;
@@ -209,6 +210,9 @@ impl Jobs {
 
     async fn clean_tables(&self) -> anyhow::Result<()> {
         self.storage.forget_keys(KEY_AGE).await?;
+        self.storage
+            .forget_deleted(retention::TOMBSTONE_AGE)
+            .await?;
         // What a bucket that was out of reach still has.
         Ok(self.datasets.collect_garbage(Vec::new()).await?)
     }
@@ -254,6 +258,9 @@ async fn maintain(jobs: Weak<Jobs>, closing: CancellationToken) {
         }
         if done.is_ok() {
             done = jobs.tidy().await;
+        }
+        if done.is_ok() {
+            done = jobs.retain().await;
         }
         if let Err(error) = done {
             tracing::error!(error = format!("{error:#}"), "upkeep failed");

@@ -80,6 +80,7 @@ impl Jobs {
             directory,
             lock.as_ref().map(|lock| (lock, LOCK)),
             config.min_free,
+            config.max_data_bytes,
         )?;
         let job_memory_bytes = job_memory_bytes(&config, slots);
         let children = Children::open(config.child_program.clone(), job_memory_bytes, slots).await;

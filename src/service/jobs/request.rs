@@ -30,4 +30,6 @@ pub struct JobPatch {
     pub name: Option<String>,
     /// All labels from now on.
     pub labels: Option<BTreeMap<String, String>>,
+    /// Whether it stays when old jobs make room.
+    pub pinned: Option<bool>,
 }

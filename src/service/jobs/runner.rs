@@ -127,6 +127,9 @@ impl Jobs {
         control: &Control,
         made: Result<Product, Failure>,
     ) -> anyhow::Result<()> {
+        if let Ok(product) = &made {
+            self.make_room_for(product).await;
+        }
         // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
         let _no_sweeping = if made.is_ok() {
             Some(self.surely_no_sweeping().await?)
@@ -149,6 +152,15 @@ impl Jobs {
             .await?;
         self.publish(changed.unwrap_or_default()).await;
         Ok(())
+    }
+
+    /// Old jobs go for what a job made; where that fails, it is kept all the same.
+    async fn make_room_for(&self, product: &Product) {
+        let bytes = product.files.iter().map(|file| file.bytes).sum();
+        if let Err(error) = self.make_room(bytes).await {
+            tracing::warn!(%error, "no room was made for a job");
+        }
+        self.room.note_more(bytes);
     }
 
     /// The guard, however often it has to be asked for: what was made is not thrown away.

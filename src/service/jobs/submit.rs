@@ -46,6 +46,7 @@ impl Jobs {
         {
             return self.answer(admission).await;
         }
+        self.make_room(0).await?;
         self.room.check(0)?;
         let mut plan = planned(kind, body).await?.map_err(ServiceError::Invalid)?;
         let (known, _) = self.known_of(&plan).await?;

@@ -44,8 +44,8 @@ pub enum Need {
 
 /// Tells nothing of what is kept: whether it lives, and how one gets in.
 pub const OPEN: [&str; 5] = ["getHealth", "getReadiness", "getAccess", "login", "logout"];
-/// Changes nothing, though the one sends a body and the other stands among what tells of the program alone.
-const READING: [&str; 2] = ["validateJob", "getMetrics"];
+/// Changes nothing, though the first sends a body and the others stand among what tells of the program alone.
+const READING: [&str; 3] = ["validateJob", "getMetrics", "getUsage"];
 
 /// What an operation needs, by its name, its first tag, and whether its method only reads.
 pub fn need_of(operation: &str, tag: &str, only_reads: bool) -> Need {

@@ -423,7 +423,7 @@ mod tests {
         );
         assert!(
             error.contains("version 99")
-                && error.contains("up to version 9")
+                && error.contains("up to version 10")
                 && error.contains("newer trackloom"),
             "{error}"
         );

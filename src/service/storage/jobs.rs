@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use uuid::Uuid;
 
 const COLUMNS: &str = "SELECT id, kind, state, attempt, name, labels, created_at, queued_at, started_at, finished_at, cancel_requested_at,
-    CASE WHEN deleted_at IS NULL THEN 0 ELSE 1 END AS deleted, progress, error, warnings, seed, engine_version, spec_sha256, duplicate_of, rerun_of,
+    CASE WHEN deleted_at IS NULL THEN 0 ELSE 1 END AS deleted, progress, error, warnings, seed, engine_version, spec_sha256, duplicate_of, rerun_of, pinned,
     (SELECT string_agg(source_id, ',' ORDER BY source_id) FROM job_dependencies WHERE job_id = jobs.id AND source_kind = 'job') AS depends_on
     FROM jobs WHERE ";
 
@@ -113,6 +113,17 @@ impl Storage {
         Ok(counts)
     }
 
+    /// Pins a job, or lets it go with others of its age.
+    pub async fn pin_job(&self, id: Uuid, is_pinned: bool) -> anyhow::Result<()> {
+        let mut transaction = self.begin().await?;
+        sqlx::query("UPDATE jobs SET pinned = $1 WHERE id = $2")
+            .bind(i64::from(is_pinned))
+            .bind(id.to_string())
+            .execute(&mut *transaction)
+            .await?;
+        Ok(transaction.commit().await?)
+    }
+
     /// Renames; an empty name removes the name, and labels replace all labels.
     pub async fn patch_job(
         &self,
@@ -184,7 +195,8 @@ impl Storage {
             .bind(&key)
             .fetch_all(&mut *transaction)
             .await?;
-        sqlx::query("UPDATE jobs SET deleted_at = $1 WHERE id = $2")
+        // The row stays, so that asking for the job says "gone"; what is long in it goes.
+        sqlx::query("UPDATE jobs SET deleted_at = $1, spec = '{}', warnings = '[]', error = NULL, progress = NULL WHERE id = $2")
             .bind(to_micros(now()))
             .bind(&key)
             .execute(&mut *transaction)
@@ -375,6 +387,7 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredJob> {
         spec_sha256: row.try_get("spec_sha256")?,
         duplicate_of: optional_id("duplicate_of")?,
         rerun_of: optional_id("rerun_of")?,
+        pinned: row.try_get::<i64, _>("pinned")? != 0,
         links: JobLinks::of(id),
     };
     Ok(StoredJob {

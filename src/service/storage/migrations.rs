@@ -37,6 +37,7 @@ pub const SQLITE_TABLES: &Migrations = &[
         include_str!("migrations/sqlite/0008_log_bytes.sql"),
     ),
     (9, "keys", include_str!("migrations/sqlite/0009_keys.sql")),
+    (10, "pins", include_str!("migrations/sqlite/0010_pins.sql")),
 ];
 
 pub const POSTGRES_TABLES: &Migrations = &[
@@ -71,4 +72,9 @@ pub const POSTGRES_TABLES: &Migrations = &[
         include_str!("migrations/postgres/0008_log_bytes.sql"),
     ),
     (9, "keys", include_str!("migrations/postgres/0009_keys.sql")),
+    (
+        10,
+        "pins",
+        include_str!("migrations/postgres/0010_pins.sql"),
+    ),
 ];

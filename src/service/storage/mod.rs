@@ -20,6 +20,7 @@ pub mod notices;
 mod outbox;
 mod page;
 mod recall;
+mod retention;
 pub mod room;
 mod sessions;
 mod statement;
@@ -36,6 +37,7 @@ pub use jobs::{Cancellation, Deletion, StoredArtifact};
 pub use keys::{NewKey, StoredKey};
 pub use life::{Claim, ClaimedJob, Ending, NewArtifact};
 pub use page::{Cursor, Page};
+pub use retention::EndOfJob;
 pub use sessions::{Checkpoint, Lease, LogAppend, NewSession, SessionEnd, StoredSession};
 
 use anyhow::Context;

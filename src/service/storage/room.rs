@@ -6,6 +6,7 @@ use std::fs::{self, File};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What has to stay free for what is at work already.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -60,6 +61,8 @@ pub enum NoRoom {
         free_bytes: u64,
         min_free_bytes: u64,
     },
+    #[error("{kept_bytes} bytes are kept, of {max_bytes} that may be, and no job may go")]
+    Quota { kept_bytes: u64, max_bytes: u64 },
     #[error("the disk is full, or the data directory cannot be written")]
     Full,
     #[error("the data directory cannot be written: {0}")]
@@ -75,6 +78,9 @@ pub struct Room {
     /// A file in the directory as it was when the service began; absent where nothing of the tables is in it.
     witness: Option<(PathBuf, u64)>,
     min_free: MinFree,
+    max_bytes: Option<u64>,
+    /// What was kept when somebody last looked, and what has come since.
+    kept_bytes: AtomicU64,
 }
 
 impl Room {
@@ -86,6 +92,7 @@ impl Room {
         directory: &Path,
         witness: Option<(&File, &str)>,
         min_free: MinFree,
+        max_bytes: Option<u64>,
     ) -> anyhow::Result<Room> {
         let witness = match witness {
             Some((file, name)) => Some((
@@ -100,7 +107,24 @@ impl Room {
             directory: directory.to_owned(),
             witness,
             min_free,
+            max_bytes,
+            kept_bytes: AtomicU64::new(0),
         })
+    }
+
+    /// Whether so many bytes more would be more than may be kept.
+    pub fn lacks(&self, bytes: u64) -> bool {
+        let kept_bytes = self.kept_bytes.load(Ordering::Relaxed);
+        self.max_bytes
+            .is_some_and(|max_bytes| kept_bytes.saturating_add(bytes) > max_bytes)
+    }
+
+    pub fn note_kept(&self, bytes: u64) {
+        self.kept_bytes.store(bytes, Ordering::Relaxed);
+    }
+
+    pub fn note_more(&self, bytes: u64) {
+        self.kept_bytes.fetch_add(bytes, Ordering::Relaxed);
     }
 
     /// Whether so many bytes more can be kept.
@@ -108,6 +132,13 @@ impl Room {
     /// # Errors
     /// The reason why not.
     pub fn check(&self, bytes: u64) -> Result<(), NoRoom> {
+        if let Some(max_bytes) = self.max_bytes.filter(|_| self.lacks(bytes)) {
+            let kept_bytes = self.kept_bytes.load(Ordering::Relaxed);
+            return Err(NoRoom::Quota {
+                kept_bytes,
+                max_bytes,
+            });
+        }
         let is_same = |(path, inode): &(PathBuf, u64)| {
             fs::metadata(path).is_ok_and(|data| data.ino() == *inode)
         };
@@ -187,12 +218,28 @@ mod tests {
     }
 
     #[test]
+    fn what_may_be_kept_is_a_limit() {
+        let directory = tempfile::tempdir().unwrap();
+        let room = Room::open(directory.path(), None, MinFree::Bytes(0), Some(1000)).unwrap();
+        room.note_kept(900);
+        assert_eq!((room.check(100), room.lacks(100)), (Ok(()), false));
+        room.note_more(50);
+        let quota = NoRoom::Quota {
+            kept_bytes: 950,
+            max_bytes: 1000,
+        };
+        assert_eq!((room.check(100), room.lacks(100)), (Err(quota), true));
+        assert!(!room.lacks(50));
+    }
+
+    #[test]
     fn a_directory_that_is_gone_or_another_or_short_of_room_takes_nothing() {
         let parent = tempfile::tempdir().unwrap();
         let directory = parent.path().join("data");
         fs::create_dir(&directory).unwrap();
         let lock = File::create(directory.join("lock")).unwrap();
-        let room = |min_free| Room::open(&directory, Some((&lock, "lock")), min_free).unwrap();
+        let room =
+            |min_free| Room::open(&directory, Some((&lock, "lock")), min_free, None).unwrap();
         assert_eq!(room(MinFree::Bytes(0)).check(1), Ok(()));
         assert!(matches!(
             room(MinFree::Percent(100.0)).check(0),

@@ -137,6 +137,8 @@ pub struct Job {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub rerun_of: Option<Uuid>,
+    /// It stays, however old it is and whatever room is wanted.
+    pub pinned: bool,
     pub links: JobLinks,
 }
 

@@ -14,6 +14,7 @@ mod problem_help;
 mod report;
 mod session;
 mod tracking_events;
+mod usage;
 
 pub use campaign::*;
 pub use comparison::*;
@@ -26,3 +27,4 @@ pub use problem_help::explanation;
 pub use report::*;
 pub use session::*;
 pub use tracking_events::*;
+pub use usage::*;
