@@ -275,12 +275,35 @@ fn paired(
 
 /// Names of metrics of which a step that a job does not have is one without any error: nobody was due and nobody there.
 const NOTHING_AT_OTHER_STEPS: [&str; 4] = ["gospa", "ospa", "labelled_ospa", "t_gospa"];
+/// Numbers that are 0 at such a step, of whichever metric.
+const NOTHING_OF_A_STEP: [&str; 15] = [
+    "associated",
+    "association",
+    "divergences",
+    "fn",
+    "fp",
+    "idfn",
+    "idfp",
+    "idsw",
+    "idtp",
+    "missed",
+    "redundant",
+    "spuriousness",
+    "swaps",
+    "tp",
+    "unassigned",
+];
 
 /// Values by step, with 0 at the steps that the other side alone has, where that is what they would be.
 fn filled(name: &str, ours: &[(String, f64)], theirs: &Values) -> Vec<(String, f64)> {
     let mut filled = ours.to_vec();
-    let metric = name.split('.').next().unwrap_or(name);
-    if NOTHING_AT_OTHER_STEPS.contains(&metric) {
+    let (metric, number) = name.split_once('.').unwrap_or((name, name));
+    // The second one of a name is `gospa_2`.
+    let counted = metric
+        .rsplit_once('_')
+        .filter(|(_, count)| count.parse::<u32>().is_ok());
+    let metric = counted.map_or(metric, |(plain, _)| plain);
+    if NOTHING_AT_OTHER_STEPS.contains(&metric) || NOTHING_OF_A_STEP.contains(&number) {
         let known: BTreeSet<&String> = ours.iter().map(|(key, _)| key).collect();
         let missing = theirs.keys().filter(|key| !known.contains(key));
         filled.extend(missing.map(|key| (key.clone(), 0.0)));

@@ -51,3 +51,28 @@ fn requests_are_compared_leaf_by_leaf() {
     );
     assert_eq!(two.len(), 1);
 }
+
+#[test]
+fn a_step_that_one_side_lacks_has_no_errors_there() {
+    let ours = [("0".to_owned(), 2.0)];
+    let theirs: Values = [("0", 1.0), ("1", 3.0)]
+        .map(|(key, value)| (key.to_owned(), value))
+        .into();
+    let keys = |name: &str| filled(name, &ours, &theirs).len();
+    for name in [
+        "clear.fp",
+        "gospa.gospa",
+        "gospa_2.missed",
+        "hota_2.fn",
+        "siap.spuriousness",
+    ] {
+        assert_eq!(keys(name), 2, "{name}");
+    }
+    for name in [
+        "siap.completeness",
+        "kinematics.position_rmse",
+        "ospa2.ospa2_of_window",
+    ] {
+        assert_eq!(keys(name), 1, "{name}");
+    }
+}
