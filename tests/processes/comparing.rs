@@ -83,3 +83,47 @@ fn false_points_are_worse_under_every_metric_that_counts_them() {
         assert_eq!(code, Some(0), "{more}: {said}");
     }
 }
+
+#[test]
+fn a_directory_holds_the_files_of_one_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("one");
+    write_scene(folder.path(), "one", |_| None);
+    judge(
+        folder.path(),
+        "one",
+        &json!({"metrics": [{"metric": "clear"}]}),
+    );
+    let is_there = |name: &str| out.join(name).is_file();
+    assert!(is_there("metric-series.csv") && is_there("automaton.json"));
+    std::fs::write(out.join("mine.csv"), "kept").unwrap();
+
+    // Another run without metrics: what the first wrote is gone, what is nobody's stays.
+    let tfa = json!({"profile": "tfa"});
+    let read = out.join("tracks.csv");
+    std::fs::copy(folder.path().join("one.csv"), &read).unwrap();
+    judge(folder.path(), "one", &tfa);
+    assert!(is_there("mine.csv") && is_there("automaton.json") && is_there("tracks.csv"));
+    assert!(!is_there("metric-series.csv") && !is_there("events.csv") && !is_there("metrics.txt"));
+
+    // A file that no run of this directory listed is not taken for its own.
+    std::fs::write(out.join("metric-series.csv"), "no table").unwrap();
+    let (code, said) = compare(folder.path(), "one", "one");
+    assert!(
+        code == Some(2) && said.contains("nothing can be told apart"),
+        "{said}"
+    );
+
+    // What an earlier run wrote here and this one reads stays.
+    let scene = json!({"source": "preset", "preset": "liang2009-10"});
+    let tracked = json!({"kind": "evaluate", "input": scene, "metrics": [{"metric": "clear"}]});
+    let job = folder.path().join("tracked.json");
+    std::fs::write(&job, tracked.to_string()).unwrap();
+    let mut command = trackloom();
+    let done = command.arg("run").arg(&job).arg("--out").arg(&out);
+    assert_eq!(done.output().unwrap().status.code(), Some(0));
+    let of = |name: &str| json!({"source": "file", "path": format!("one/{name}.csv")});
+    let again = json!({"truth": of("truth"), "tracks": of("tracks")});
+    assert_eq!(judge(folder.path(), "one", &again).status.code(), Some(0));
+    assert!(is_there("truth.csv") && is_there("tracks.csv") && !is_there("scans.csv"));
+}
