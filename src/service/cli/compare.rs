@@ -71,6 +71,15 @@ fn finish(arguments: &CompareArguments) -> Result<(), Trouble> {
             detail: "the baseline has this metric, the other result has not".to_owned(),
         });
     }
+    for (name, met) in compare::kept_limits(&sides[0], &sides[1]) {
+        let detail = if met {
+            "met in both"
+        } else {
+            "met in the baseline alone"
+        };
+        let detail = detail.to_owned();
+        verdicts.push(Verdict { name, met, detail });
+    }
     if arguments.fail_if_worse && verdicts.is_empty() {
         let detail = "nothing can be told apart: no number with a better direction has pairs enough for an interval";
         let fault = Fault::new("--fail-if-worse", "unsupported", detail);
