@@ -167,6 +167,11 @@ impl Axis {
             .map_or((time_s, time_s), |step| self.steps.window_s(step))
     }
 
+    /// What its places are: scans of a recording, or steps.
+    pub fn place_name(&self) -> &'static str {
+        if self.by_time_alone { "step" } else { "scan" }
+    }
+
     /// Times nearer than this belong to one scan.
     pub fn tolerance_s(&self) -> f64 {
         self.steps.tolerance_s

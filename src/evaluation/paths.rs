@@ -9,6 +9,7 @@
 use super::spaces;
 use crate::model::space::{Place, Space};
 use crate::model::state::Position;
+use crate::model::time::rounding_s;
 use crate::model::truth::{Target, TruthSet};
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -47,10 +48,11 @@ pub struct Paths<'t> {
 
 impl<'t> Paths<'t> {
     pub fn new(truth: &'t TruthSet, alignment: Alignment) -> Self {
-        let limit_s = |target| {
-            alignment
-                .max_gap_s()
-                .unwrap_or_else(|| usual_limit_s(target))
+        let limit_s = |target: &Target| {
+            let limit_s = alignment.max_gap_s().or_else(|| usual_limit_s(target));
+            // A gap is the difference of two times that were rounded.
+            let last_s = target.points.last().map_or(0.0, |point| point.time_s);
+            limit_s.map_or(0.0, |limit_s| limit_s + rounding_s(last_s))
         };
         Paths {
             truth: Cow::Borrowed(truth),
@@ -80,6 +82,7 @@ impl<'t> Paths<'t> {
     pub fn span_s(&self, target: usize, tolerance_s: f64) -> Option<(f64, f64)> {
         let points = &self.targets()[target].points;
         let (first, last) = (points.first()?, points.last()?);
+        let tolerance_s = rounded_up(tolerance_s, last.time_s);
         Some((first.time_s - tolerance_s, last.time_s + tolerance_s))
     }
 
@@ -90,6 +93,7 @@ impl<'t> Paths<'t> {
         if time_s < from_s || time_s > to_s {
             return None;
         }
+        let tolerance_s = rounded_up(tolerance_s, time_s);
         let target = &self.targets()[target];
         let at_point = |limit_s: f64| {
             let point = target.nearest_point(time_s, limit_s)?;
@@ -214,11 +218,20 @@ impl<'t> Reach<'t> {
         let boxes = self.boxes.iter().enumerate();
         let in_box = boxes.filter(move |(_, (low, high))| plane >= *low && plane <= *high);
         in_box.map(|(target, _)| target).filter(move |target| {
-            let standing = self.paths.at(*target, time_s, 0.0);
+            let standing = self.paths.at(*target, time_s, rounding_s(time_s));
             standing.is_some_and(|(there, _)| {
                 spaces::distance(space, &spaces::compared(space, &there), &place) <= self.gate
             })
         })
+    }
+}
+
+/// What is within a tolerance but for rounding is within it; no tolerance is none.
+fn rounded_up(tolerance_s: f64, time_s: f64) -> f64 {
+    if tolerance_s > 0.0 {
+        tolerance_s + rounding_s(time_s)
+    } else {
+        0.0
     }
 }
 
@@ -263,8 +276,6 @@ pub fn median(rising: &[f64]) -> Option<f64> {
     rising.get(rising.len().saturating_sub(1) / 2).copied()
 }
 
-fn usual_limit_s(target: &Target) -> f64 {
-    // Times are sums that were rounded.
-    const ROUNDING: f64 = 1.0 + 1e-9;
-    median(&gaps_s(target)).map_or(0.0, |gap_s| BRIDGED_GAPS * ROUNDING * gap_s)
+fn usual_limit_s(target: &Target) -> Option<f64> {
+    Some(BRIDGED_GAPS * median(&gaps_s(target))?)
 }

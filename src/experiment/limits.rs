@@ -7,7 +7,7 @@
 //!   is nearer to failing, so that chance alone is unlikely to have met it. A number exactly at the limit meets it.
 //! - A number that is absent or null meets nothing: what was not measured was not shown.
 
-use super::result_numbers::{nearest_to, number_at, place_of, reason_at};
+use super::result_numbers::{nearest_quantity, number_at, place_of, reason_at};
 use crate::math::stats::Interval;
 use crate::registry::{Field, Kind, Object, default, list, number, optional, required};
 use serde::{Deserialize, Serialize};
@@ -136,7 +136,7 @@ impl Limit {
     fn check_result(&self, result: &Value) -> LimitCheck {
         let path = self.path_in(result);
         let reason = match reason_at(result, &path) {
-            None => format!("there is no such number{}", nearest_to(&path, result)),
+            None => format!("there is no such number{}", nearest_quantity(&path, result)),
             Some(told) => told.to_owned(),
         };
         self.check(number_at(result, &path), None, reason)
@@ -228,6 +228,9 @@ mod tests {
         );
         let found = of(json!({"quantity": "clear.moda", "at_least": 0.0}));
         assert!(!found.met && found.reason.unwrap().contains("there is no such number"));
+        let found = of(json!({"quantity": "clear.motaa", "at_least": 0.0}));
+        let told = "there is no such number; the nearest path is 'clear.mota'";
+        assert_eq!(found.reason.as_deref(), Some(told));
     }
 
     #[test]

@@ -25,6 +25,23 @@ pub fn nearest_to(path: &str, result: &Value) -> String {
     })
 }
 
+/// The same of what a limit names: quantities of metrics by their short names, too (`clear.recall`).
+pub fn nearest_quantity(path: &str, result: &Value) -> String {
+    let mut known = Vec::new();
+    number_paths(result, String::new(), &mut known);
+    let mut short = Vec::new();
+    for long in &known {
+        let quantity = long
+            .strip_prefix("metrics.")
+            .and_then(|long| long.split_once(".quantities."));
+        short.extend(quantity.map(|(metric, name)| format!("{metric}.{name}")));
+    }
+    short.append(&mut known);
+    nearest_of(path, short).map_or_else(String::new, |nearest| {
+        format!("; the nearest path is '{nearest}'")
+    })
+}
+
 /// The paths of all numbers, flags and quantities of a result, those that are null too; lists have none.
 fn number_paths(place: &Value, path: String, known: &mut Vec<String>) {
     match place {

@@ -16,6 +16,12 @@ pub enum TimeBase {
     AssumedDate,
 }
 
+/// Times that differ by no more are one time: files have decimals, and sums and differences of them are rounded. A nanosecond,
+/// and at times that are counted from long ago, which are coarser, four steps of the numbers.
+pub fn rounding_s(time_s: f64) -> f64 {
+    (4.0 * f64::EPSILON * time_s.abs()).max(1e-9)
+}
+
 impl TimeBase {
     pub fn is_utc(self) -> bool {
         self != TimeBase::Relative

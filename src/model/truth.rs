@@ -5,7 +5,7 @@ use super::changes::Changes;
 use super::fault::Fault;
 use super::space::{Frame, Place, Space};
 use super::state::Position;
-use super::time::TimeBase;
+use super::time::{TimeBase, rounding_s};
 
 /// Where a target was at one time. All points of a set are of its space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,13 +106,15 @@ impl Target {
     pub fn nearest_point(&self, time_s: f64, max_gap_s: f64) -> Option<&TruthPoint> {
         let after = self.points.partition_point(|point| point.time_s < time_s);
         let gap_s = |point: &&TruthPoint| (point.time_s - time_s).abs();
-        let candidates = [after.checked_sub(1), Some(after)]
-            .into_iter()
-            .flatten()
-            .filter_map(|index| self.points.get(index));
-        candidates
-            .min_by(|a, b| gap_s(a).total_cmp(&gap_s(b)))
-            .filter(|point| gap_s(point) <= max_gap_s)
+        let before = after.checked_sub(1).map(|before| &self.points[before]);
+        let next = self.points.get(after);
+        let nearest = match (before, next) {
+            (Some(before), Some(next)) if gap_s(&before) > gap_s(&next) + rounding_s(time_s) => {
+                next
+            }
+            (before, next) => before.or(next)?,
+        };
+        Some(nearest).filter(|point| gap_s(point) <= max_gap_s)
     }
 }
 

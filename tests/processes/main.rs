@@ -3,6 +3,7 @@ mod access;
 mod campaigns;
 mod children;
 mod command_line;
+mod comparing;
 mod database;
 mod disk;
 mod feed;

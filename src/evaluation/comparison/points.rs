@@ -7,6 +7,7 @@ use crate::evaluation::extent::Extent;
 use crate::evaluation::paths::{Paths, Reach};
 use crate::evaluation::steps::Steps;
 use crate::model::space::{Place, Space};
+use crate::model::time::rounding_s;
 use crate::model::track::{TrackPoint, TrackSet};
 use std::collections::HashSet;
 
@@ -90,7 +91,7 @@ impl Comparison {
                     Some(last) => {
                         // Points at one time are of several sensors: the last one knows most.
                         self.facts.between_steps += usize::from(last.1 != after_s);
-                        if after_s.abs() <= last.1.abs() {
+                        if after_s.abs() <= last.1.abs() + rounding_s(point.time_s) {
                             *last = (presence, after_s);
                         }
                     }
@@ -294,7 +295,7 @@ fn extra_steps(mut outside: Vec<Outside>, tolerance_s: f64) -> Vec<(f64, Present
     for Outside { time_s, presence } in outside {
         let is_later = extra
             .last()
-            .is_none_or(|(first_s, _)| time_s - first_s > tolerance_s);
+            .is_none_or(|(first_s, _)| time_s - first_s > tolerance_s + rounding_s(time_s));
         if is_later || seen.contains(&presence.id) {
             extra.push((time_s, Present::default()));
             seen.clear();

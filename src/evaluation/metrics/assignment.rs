@@ -13,11 +13,18 @@
 //! 3. A truth is established when a track is first associated with it; the establishment length counts its steps
 //!    before. A break begins at each step at which nobody is associated any more; its length counts such steps.
 //! 4. A track that never takes a truth is false.
+//! 5. Over time: truths that are associated and that are not, tracks that are redundant and that keep no truth, and how many
+//!    tracks diverge and swap at the step.
 //!
 //! Inside coverage are the steps at which the truth exists: what no sensor can see must not be among the truth.
 
-use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACKS, TRUTH_POINTS, TRUTHS};
-use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
+mod lives;
+
+use self::lives::{TrackLife, TruthLife, lines, totals};
+use super::origin::{
+    Origin, PAIRS, PairColumn, SERIES, Statistic, TRACK_POINTS, TRACKS, TRUTH_POINTS, TRUTHS,
+};
+use super::{BuildMetric, Metric, MetricReport, Sequence, Series};
 use crate::evaluation::comparison::{ComparedStep, Comparison};
 use crate::model::space::Space;
 use crate::registry::{Bound, Kind, Method, Object, optional};
@@ -60,7 +67,8 @@ impl Metric for Assignment {
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let (mut truths, mut tracks) = (Vec::new(), Vec::new());
-        let (mut per_truth, mut per_track, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
+        let (mut pairs, mut series) = (Vec::new(), Vec::new());
         for &Sequence { comparison, .. } in sequences {
             let walk = Walk::new(comparison, self.divergence_gate(comparison.gate));
             if sequences.len() == 1 {
@@ -68,6 +76,13 @@ impl Metric for Assignment {
                 per_track = lines(&comparison.track_ids, &walk.tracks, TrackLife::quantities);
                 pairs.push(PairColumn::new("associated", "", walk.associated_pairs));
                 pairs.push(PairColumn::new("redundant", "", walk.redundant_pairs));
+                let [associated, redundant] =
+                    [0, 1].map(|place: usize| pairs[place].sums(comparison));
+                series = over_time(comparison, &associated, &redundant);
+                for (name, counts) in [("swaps", walk.swaps), ("divergences", walk.divergences)] {
+                    let counts = counts.into_iter().map(|count| Some(f64::from(count)));
+                    series.push(Series::over_time(name, "", counts));
+                }
             }
             truths.extend(walk.truths.into_iter().filter(|truth| truth.steps > 0));
             tracks.extend(walk.tracks.into_iter().filter(|track| track.steps > 0));
@@ -85,6 +100,7 @@ impl Metric for Assignment {
             per_truth,
             per_track,
             pairs,
+            series,
             origins: FROM.to_vec(),
             ..report
         }
@@ -93,6 +109,7 @@ impl Metric for Assignment {
 
 const FROM: &[Origin] = &[
     TRUTH_POINTS,
+    TRACK_POINTS,
     Origin::rows("associated", Statistic::Count, PAIRS, "associated"),
     Origin::ratio("associated_share", &["associated"], &["truth_points"]),
     Origin::rows(
@@ -116,50 +133,49 @@ const FROM: &[Origin] = &[
     Origin::sum("breaks", TRUTHS),
     Origin::sum("break_length", TRUTHS),
     Origin::rows("tracks", Statistic::CountPositive, TRACKS, "length"),
-    Origin::sum("swaps", TRACKS),
-    Origin::sum("divergences", TRACKS),
+    Origin::sum("swaps", SERIES),
+    Origin::sum("divergences", SERIES),
     Origin::sum("divergence_length", TRACKS),
     Origin::sum("redundancies", TRACKS),
     Origin::rows("redundancy_length", Statistic::Count, PAIRS, "redundant"),
     Origin::rows("false_tracks", Statistic::Sum, TRACKS, "false"),
     Origin::ratio("false_tracks_share", &["false_tracks"], &["tracks"]),
     Origin::rows("false_track_length", Statistic::Sum, TRACKS, "false_length"),
+    Origin::terms(
+        "series.missed",
+        &["series.truth_points", "-series.associated"],
+    ),
+    Origin::rows("series.redundant", Statistic::Count, PAIRS, "redundant"),
+    Origin::terms(
+        "series.unassigned",
+        &[
+            "series.track_points",
+            "-series.associated",
+            "-series.redundant",
+        ],
+    ),
 ];
+
+/// Method, 5.
+fn over_time(comparison: &Comparison, associated: &[f64], redundant: &[f64]) -> Vec<Series> {
+    let names = ["associated", "missed", "beside"];
+    let mut series = Series::of_matched(names, comparison, associated);
+    let beside = series.pop().map_or(Vec::new(), |series| series.values);
+    let unassigned = beside.iter().zip(redundant);
+    let unassigned = unassigned.map(|(beside, redundant)| Some((*beside)? - redundant));
+    let redundant = redundant.iter().copied().map(Some);
+    series.extend([
+        Series::over_time("redundant", "", redundant),
+        Series::over_time("unassigned", "", unassigned),
+    ]);
+    series
+}
 
 impl Assignment {
     fn divergence_gate(self, gate: f64) -> f64 {
         self.divergence_gate
             .map_or(gate, |divergence_gate| divergence_gate.max(gate))
     }
-}
-
-/// The life of one truth, in steps at which it exists.
-#[derive(Debug, Clone, Copy, Default)]
-struct TruthLife {
-    steps: u32,
-    associated: u32,
-    establishment: u32,
-    breaks: u32,
-    break_length: u32,
-    was_associated: bool,
-}
-
-/// The life of one track, in steps at which it exists.
-#[derive(Debug, Clone, Copy, Default)]
-struct TrackLife {
-    steps: u32,
-    assigned: u32,
-    swaps: u32,
-    divergences: u32,
-    divergence_length: u32,
-    redundancies: u32,
-    redundancy_length: u32,
-    /// The truth it keeps, and since which step; the truth it kept last.
-    truth: Option<u32>,
-    since: u32,
-    last_truth: Option<u32>,
-    is_divergent: bool,
-    was_redundant: bool,
 }
 
 /// Goes through the steps.
@@ -176,6 +192,9 @@ struct Walk<'a> {
     /// Who was associated with whom and who was redundant to whom, as [`PairColumn`] has it.
     associated_pairs: Vec<(u32, u32, f64)>,
     redundant_pairs: Vec<(u32, u32, f64)>,
+    /// How many tracks diverge and swap at each step.
+    divergences: Vec<u32>,
+    swaps: Vec<u32>,
 }
 
 impl<'a> Walk<'a> {
@@ -190,6 +209,8 @@ impl<'a> Walk<'a> {
             associated: Vec::new(),
             associated_pairs: Vec::new(),
             redundant_pairs: Vec::new(),
+            divergences: vec![0; comparison.steps.len()],
+            swaps: vec![0; comparison.steps.len()],
         };
         for (index, step) in comparison.steps.iter().enumerate() {
             walk.look_around(step);
@@ -239,9 +260,12 @@ impl<'a> Walk<'a> {
                     .binary_search_by_key(&truth, |truth| truth.id)
                     .is_ok();
                 track.divergences += u32::from(track.is_divergent);
+                self.divergences[index as usize] += u32::from(track.is_divergent);
             }
             if let (None, Some((_, truth))) = (track.truth, self.nearest[offset]) {
-                track.swaps += u32::from(track.last_truth.is_some_and(|last| last != truth));
+                let swaps = u32::from(track.last_truth.is_some_and(|last| last != truth));
+                track.swaps += swaps;
+                self.swaps[index as usize] += swaps;
                 (
                     track.truth,
                     track.last_truth,
@@ -317,141 +341,6 @@ impl<'a> Walk<'a> {
             life.was_associated = associated.is_some();
         }
     }
-}
-
-impl TruthLife {
-    fn quantities(&self) -> Vec<Quantity> {
-        let establishment = Some(f64::from(self.establishment)).filter(|_| self.associated > 0);
-        vec![
-            Quantity::count("steps_inside_coverage", self.steps),
-            Quantity::count("established", u32::from(self.associated > 0)),
-            Quantity::or(
-                "establishment_length",
-                establishment,
-                "steps",
-                "never established",
-            ),
-            Quantity::count("breaks", self.breaks),
-            Quantity::new("break_length", f64::from(self.break_length), "steps"),
-            Quantity::ratio(
-                "associated_share",
-                f64::from(self.associated),
-                f64::from(self.steps),
-                "",
-                "does not exist at any step",
-            ),
-        ]
-    }
-}
-
-impl TrackLife {
-    fn is_false(&self) -> bool {
-        self.steps > 0 && self.last_truth.is_none()
-    }
-
-    fn quantities(&self) -> Vec<Quantity> {
-        let length = |name, steps: u32| Quantity::new(name, f64::from(steps), "steps");
-        vec![
-            length("length", self.steps),
-            length("assigned_length", self.assigned),
-            Quantity::count("swaps", self.swaps),
-            Quantity::count("divergences", self.divergences),
-            length("divergence_length", self.divergence_length),
-            Quantity::count("redundancies", self.redundancies),
-            length("redundancy_length", self.redundancy_length),
-            Quantity::count("false", u32::from(self.is_false())),
-            length("false_length", if self.is_false() { self.steps } else { 0 }),
-        ]
-    }
-}
-
-fn lines<Life>(
-    ids: &[String],
-    lives: &[Life],
-    quantities: impl Fn(&Life) -> Vec<Quantity>,
-) -> Vec<Line> {
-    ids.iter()
-        .zip(lives)
-        .map(|(id, life)| Line {
-            id: id.clone(),
-            quantities: quantities(life),
-        })
-        .collect()
-}
-
-fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
-    let established = sum(truths, |life| u32::from(life.associated > 0));
-    let establishment = sum(truths, |life| {
-        if life.associated > 0 {
-            life.establishment
-        } else {
-            0
-        }
-    });
-    let false_tracks = sum(tracks, |life| u32::from(life.is_false()));
-    let no_truth = "no truth at any step";
-    vec![
-        Quantity::ratio(
-            "associated_share",
-            sum(truths, |life| life.associated),
-            sum(truths, |life| life.steps),
-            "",
-            no_truth,
-        ),
-        Quantity::new("truths", truths.len() as f64, ""),
-        Quantity::new("truths_established", established, ""),
-        Quantity::ratio(
-            "truths_established_share",
-            established,
-            truths.len() as f64,
-            "",
-            no_truth,
-        ),
-        Quantity::ratio(
-            "mean_establishment_length",
-            establishment,
-            established,
-            "steps",
-            "no truth was established",
-        ),
-        Quantity::new("breaks", sum(truths, |life| life.breaks), ""),
-        Quantity::new(
-            "break_length",
-            sum(truths, |life| life.break_length),
-            "steps",
-        ),
-        Quantity::new("tracks", tracks.len() as f64, ""),
-        Quantity::new("swaps", sum(tracks, |life| life.swaps), ""),
-        Quantity::new("divergences", sum(tracks, |life| life.divergences), ""),
-        Quantity::new(
-            "divergence_length",
-            sum(tracks, |life| life.divergence_length),
-            "steps",
-        ),
-        Quantity::new("redundancies", sum(tracks, |life| life.redundancies), ""),
-        Quantity::new(
-            "redundancy_length",
-            sum(tracks, |life| life.redundancy_length),
-            "steps",
-        ),
-        Quantity::new("false_tracks", false_tracks, ""),
-        Quantity::ratio(
-            "false_tracks_share",
-            false_tracks,
-            tracks.len() as f64,
-            "",
-            "no track at any step",
-        ),
-        Quantity::new(
-            "false_track_length",
-            sum(tracks, |life| if life.is_false() { life.steps } else { 0 }),
-            "steps",
-        ),
-    ]
-}
-
-fn sum<Life>(lives: &[Life], part: fn(&Life) -> u32) -> f64 {
-    lives.iter().map(|life| f64::from(part(life))).sum()
 }
 
 #[cfg(test)]

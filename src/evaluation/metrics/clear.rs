@@ -15,9 +15,10 @@
 //! 3. A truth is mostly tracked when it is matched at 80 % of its steps, mostly lost below 20 %, else partly tracked.
 //! 4. `frag` counts the interruptions of a truth's being matched, over the steps at which it exists. `frag_trackeval` is
 //!    TrackEval's count: over the steps that have both truths and tracks, whether or not this truth exists.
+//! 5. Over time: TP, FN, FP and IDSW of each step.
 
 use super::origin::{DUE_STEPS, EVENTS, Origin, Source, Statistic, TRUTHS};
-use super::{BuildMetric, Line, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence};
+use super::{BuildMetric, Line, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence, Series};
 use crate::evaluation::events::EventKind;
 use crate::model::space::Space;
 use crate::registry::{Kind, Method, Object, default};
@@ -84,7 +85,7 @@ impl Metric for Clear {
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let mut counts = Counts::default();
-        let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
+        let (mut per_truth, mut per_track, mut series) = (Vec::new(), Vec::new(), Vec::new());
         for sequence in sequences {
             let lives = counts.add(sequence);
             let classes: Vec<[u64; 3]> = lives.iter().map(|life| self.class(life)).collect();
@@ -95,6 +96,7 @@ impl Metric for Clear {
             if sequences.len() == 1 {
                 per_truth = truth_lines(sequence, &lives, &classes);
                 per_track = track_lines(sequence);
+                series = counts_over_time(sequence);
             }
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
@@ -113,6 +115,7 @@ impl Metric for Clear {
         MetricReport {
             per_truth,
             per_track,
+            series,
             origins: FROM.to_vec(),
             ..report
         }
@@ -123,6 +126,12 @@ const NO_TRUTH: &str = "no truth at any step";
 const NO_MATCH: &str = "nothing was matched";
 
 const FALSE: &[&str] = &["false_alarm", "redundant", "divergence"];
+/// The same as events.
+const FALSE_KINDS: [EventKind; 3] = [
+    EventKind::FalseAlarm,
+    EventKind::Redundant,
+    EventKind::Divergence,
+];
 
 /// A statistic of a column of the matches in the log.
 const fn of_matches(quantity: &'static str, statistic: Statistic, column: &'static str) -> Origin {
@@ -236,12 +245,7 @@ impl Counts {
             self.count(EventKind::Miss),
             self.count(EventKind::Switch),
         );
-        let parts = [
-            EventKind::FalseAlarm,
-            EventKind::Redundant,
-            EventKind::Divergence,
-        ]
-        .map(|kind| self.count(kind));
+        let parts = FALSE_KINDS.map(|kind| self.count(kind));
         let fp: f64 = parts.iter().sum();
         let truth_points = tp + missed;
         let log_switches = if switches > 0.0 {
@@ -287,6 +291,16 @@ impl Counts {
             Quantity::ratio("ml_share", mostly_lost, truths, "", NO_TRUTH),
         ]
     }
+}
+
+/// Matches, misses, false positives and switches at each step.
+fn counts_over_time(sequence: &Sequence) -> Vec<Series> {
+    vec![
+        sequence.events_over_time("tp", &[EventKind::Match]),
+        sequence.events_over_time("fn", &[EventKind::Miss]),
+        sequence.events_over_time("fp", &FALSE_KINDS),
+        sequence.events_over_time("idsw", &[EventKind::Switch]),
+    ]
 }
 
 fn truth_lines(sequence: &Sequence, lives: &[TruthLife], classes: &[[u64; 3]]) -> Vec<Line> {

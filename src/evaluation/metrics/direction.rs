@@ -8,20 +8,30 @@ const HIGHER: &[&str] = &[
     "ass_a",
     "ass_pr",
     "ass_re",
+    "associated",
+    "associated_share",
+    "association",
     "completeness",
     "correct",
     "det_a",
     "det_pr",
     "det_re",
+    "established",
+    "explained_share",
     "f1",
+    "following",
     "hota",
+    "hota_0",
+    "hota_loc_a_0",
     "identity",
     "idf1",
     "idp",
     "idr",
     "idtp",
     "loc_a",
+    "loc_a_0",
     "longest_segment",
+    "longest_segment_time",
     "matched",
     "matched_points",
     "moda",
@@ -36,23 +46,34 @@ const HIGHER: &[&str] = &[
     "smota",
     "stay",
     "targets_identity",
+    "targets_stay",
     "tp",
+    "tracked_time",
+    "truths_established",
+    "truths_established_share",
 ];
 
 /// Smaller is better.
 const LOWER: &[&str] = &[
     "across_rmse",
     "along_rmse",
+    "ambiguity",
     "bearing_95",
     "bearing_rmse",
+    "break_length",
     "breaks",
     "cardinality",
+    "divergence_length",
     "divergences",
     "establishment_length",
     "false",
+    "false_length",
     "false_mean",
     "false_points",
     "false_sum",
+    "false_track_length",
+    "false_tracks",
+    "false_tracks_share",
     "fn",
     "fp",
     "fp_divergence",
@@ -73,16 +94,20 @@ const LOWER: &[&str] = &[
     "missed_mean",
     "missed_points",
     "missed_sum",
+    "missing_points",
     "ml",
     "ml_share",
     "motp_distance",
     "ospa",
     "ospa2",
+    "ospa2_of_window",
     "ospa2_whole",
     "position_95",
     "position_accuracy",
     "position_rmse",
     "redundancies",
+    "redundancy_length",
+    "redundant",
     "spuriousness",
     "swaps",
     "switches",
@@ -92,6 +117,8 @@ const LOWER: &[&str] = &[
     "t_gospa",
     "t_gospa_per_step",
     "track_number_change_rate",
+    "track_number_changes",
+    "unassigned",
     "velocity_accuracy",
     "velocity_rmse",
     "z_rmse",
@@ -109,9 +136,10 @@ pub fn higher_is_better(name: &str) -> Option<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::tests::{evaluate, main_scene};
+    use crate::evaluation::metrics::{MetricReport, Quantity};
+    use crate::evaluation::tests::{GONE, Places, compare, evaluate, main_scene};
     use serde_json::json;
-    use std::collections::BTreeSet;
+    use std::collections::{BTreeMap, BTreeSet};
 
     #[test]
     fn headlines_agree_with_their_metrics_and_names_are_those_of_quantities() {
@@ -161,6 +189,68 @@ mod tests {
             .collect();
         assert!(unknown.is_empty(), "{unknown:?} of {known:?}");
         assert!(HIGHER.iter().all(|name| !LOWER.contains(name)));
+    }
+
+    /// Numbers with a direction over the steps, and over the targets: their sums, where what is not there is 0.
+    fn sums_of_parts(report: &MetricReport) -> BTreeMap<String, f64> {
+        let mut sums = BTreeMap::new();
+        let over_time = report.series.iter().filter(|s| s.axis == "time_s");
+        let over_time =
+            over_time.flat_map(|s| s.values.iter().map(|value| ("steps", s.name, *value)));
+        let of_targets = report.per_truth.iter().flat_map(|line| &line.quantities);
+        let of_targets = of_targets.map(|quantity| ("targets", quantity.name, quantity.value));
+        for (over, name, value) in over_time.chain(of_targets) {
+            *sums.entry(format!("{over}.{name}")).or_insert(0.0) += value.unwrap_or(0.0);
+        }
+        sums
+    }
+
+    /// Whether one of them is worse.
+    fn is_worse_in_parts(good: &MetricReport, bad: &MetricReport) -> bool {
+        let bad = sums_of_parts(bad);
+        sums_of_parts(good).into_iter().any(|(name, sum)| {
+            let more = bad.get(&name).map_or(0.0, |bad| bad - sum);
+            higher_is_better(&name).is_some_and(|higher| more != 0.0 && higher == (more < 0.0))
+        })
+    }
+
+    #[test]
+    fn what_makes_a_metric_worse_shows_over_steps_or_targets() {
+        let truths: [Places; 2] = [("A", &[0.0; 12]), ("B", &[900.0; 12])];
+        let steady: [Places; 2] = [("T", &[1.0; 12]), ("U", &[901.0; 12])];
+        let beside: [Places; 3] = [steady[0], steady[1], ("F", &[400.0; 12])];
+        let twice: [Places; 3] = [steady[0], steady[1], ("V", &[3.0; 12])];
+        let silent: [f64; 12] = std::array::from_fn(|step| if step % 2 == 0 { 1.0 } else { GONE });
+        let gaps: [Places; 2] = [("T", &silent), steady[1]];
+        let (mut first, mut second) = ([1.0; 12], [901.0; 12]);
+        first[6..].swap_with_slice(&mut second[6..]);
+        let swapped: [Places; 2] = [("T", &first), ("U", &second)];
+        let scene = |tracks: &[Places]| compare(&truths, tracks, 10.0);
+        for method in crate::evaluation::metrics::METRICS {
+            let report = |tracks| evaluate(method.name, json!({}), &[scene(tracks)]);
+            let good = report(&steady);
+            for bad in [
+                report(&beside),
+                report(&twice),
+                report(&gaps),
+                report(&swapped),
+            ] {
+                let is_worse = |good: &Quantity| {
+                    let more = bad
+                        .quantity(good.name)
+                        .zip(good.value)
+                        .map_or(0.0, |(b, g)| b - g);
+                    let higher = higher_is_better(good.name);
+                    more.abs() > 1e-9 && higher.is_some_and(|higher| higher == (more < 0.0))
+                };
+                let worse: Vec<_> = good.quantities.iter().filter(|q| is_worse(q)).collect();
+                assert!(
+                    worse.is_empty() || is_worse_in_parts(&good, &bad),
+                    "{}: {worse:?}",
+                    method.name
+                );
+            }
+        }
     }
 
     #[test]

@@ -15,11 +15,12 @@
 //! 2. At each step the matching with the greatest Σ aᵢⱼ s, once for all α. A match counts for every α up to its s.
 //! 3. At each α: TP matches, DetA = TP / (TP + FN + FP), AssA = Σ c² / (gᵢ + tⱼ − c) / TP, AssRe and AssPr with gᵢ and tⱼ
 //!    alone below the line, LocA = Σ s / TP, HOTA = √(DetA AssA), OWTA = √(DetRe AssA). The headlines are means over α.
+//! 4. Over time: TP, FN and FP of each step, and what its matches add to Σ c² / (gᵢ + tⱼ − c) = TP AssA (`association`), means over α.
 //!
 //! As TrackEval has it, at an α without a match the parts of association count as 0 and LocA as 1. Several sequences add
 //! their counts and sums at each α, so that association is weighted by TP.
 
-use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS};
+use super::origin::{Origin, PAIRS, PairColumn, Source, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::acquaintances::Acquaintances;
 use crate::evaluation::comparison::{Comparison, Pair, Presence};
@@ -62,7 +63,15 @@ fn alphas_reached(similarity: f64) -> usize {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hota;
 
-type Matches = (Vec<[u32; ALPHAS + 1]>, Vec<(u32, u32, f64)>);
+/// The matches of one sequence.
+struct Matched {
+    /// For each acquaintance how many reach exactly 0, 1, 2 … thresholds.
+    counts: Vec<[u32; ALPHAS + 1]>,
+    /// Truth, track, and how many thresholds they reach, in order of the steps.
+    cells: Vec<(u32, u32, f64)>,
+    /// Of each cell.
+    acquaintance: Vec<u32>,
+}
 
 /// Sums at each α, over one sequence or several.
 #[derive(Debug, Clone, Default)]
@@ -87,9 +96,13 @@ impl Metric for Hota {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
-        let (mut sums, mut reached) = (Sums::default(), Vec::new());
-        for sequence in sequences {
-            reached = sums.add(sequence.comparison);
+        let (mut sums, mut pairs, mut over_time) = (Sums::default(), Vec::new(), Vec::new());
+        for Sequence { comparison, .. } in sequences {
+            let (reached, association) = sums.add(comparison);
+            if sequences.len() == 1 {
+                over_time = self::over_time(comparison, &reached, &association);
+                pairs.push(reached);
+            }
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
         let of_points = first.filter(|comparison| comparison.space.is_some());
@@ -116,16 +129,8 @@ impl Metric for Hota {
                 values,
             }
         };
-        let pairs = if sequences.len() == 1 {
-            vec![PairColumn::new("thresholds", "", reached)]
-        } else {
-            Vec::new()
-        };
-        let series = curves
-            .into_iter()
-            .chain(sums.counts())
-            .map(over_alpha)
-            .collect();
+        let curves = curves.into_iter().chain(sums.counts()).map(over_alpha);
+        let series = curves.chain(over_time).collect();
         MetricReport {
             series,
             pairs,
@@ -179,11 +184,44 @@ const FROM: &[Origin] = &[
     Origin::numbers("hota_0", Statistic::FirstOfCurve, &["curves.hota"]),
     Origin::numbers("loc_a_0", Statistic::FirstOfCurve, &["curves.loc_a"]),
     Origin::numbers("hota_loc_a_0", Statistic::Product, &["hota_0", "loc_a_0"]),
+    Origin::rows("series.reached", Statistic::Sum, PAIRS, "thresholds"),
+    MEAN_TP,
+    Origin::terms("series.fn", &["series.truth_points", "-series.tp"]),
+    Origin::terms("series.fp", &["series.track_points", "-series.tp"]),
 ];
 
+/// Of a step: the mean over the thresholds.
+const MEAN_TP: Origin = Origin {
+    source: Source::Numbers {
+        over: &["series.reached"],
+        under: &[],
+        factor: 1.0 / ALPHAS as f64,
+        power: 1.0,
+    },
+    ..Origin::terms("series.tp", &[])
+};
+
+/// Method, 4.
+fn over_time(
+    comparison: &Comparison,
+    reached: &PairColumn,
+    association: &PairColumn,
+) -> Vec<Series> {
+    let of_alphas = |sum: f64| sum / ALPHAS as f64;
+    let matched: Vec<f64> = reached
+        .sums(comparison)
+        .into_iter()
+        .map(of_alphas)
+        .collect();
+    let mut series = Series::of_matched(["tp", "fn", "fp"], comparison, &matched);
+    let association = association.sums(comparison).into_iter().map(of_alphas);
+    series.push(Series::over_time("association", "", association.map(Some)));
+    series
+}
+
 impl Sums {
-    /// Adds a sequence; says of each match how many thresholds it reaches.
-    fn add(&mut self, comparison: &Comparison) -> Vec<(u32, u32, f64)> {
+    /// Adds a sequence; says of each match how many thresholds it reaches, and what it adds to the association at all of them.
+    fn add(&mut self, comparison: &Comparison) -> (PairColumn, PairColumn) {
         let acquaintances = Acquaintances::new(comparison);
         let (truth_points, track_points) = (
             points(&comparison.truths, &comparison.truth_ids),
@@ -193,24 +231,35 @@ impl Sums {
             (truth_points[truth as usize], track_points[track as usize])
         };
         let alignment = alignment(comparison, &acquaintances, points_of);
-        let (matches, reached) = self.matches(comparison, &acquaintances, &alignment);
-        for (&ids, matches) in acquaintances.ids.iter().zip(&matches) {
-            self.add_acquaintance(points_of(ids), matches);
+        let matched = self.matches(comparison, &acquaintances, &alignment);
+        let mut shares = Vec::with_capacity(acquaintances.ids.len());
+        for (&ids, counts) in acquaintances.ids.iter().zip(&matched.counts) {
+            shares.push(self.add_acquaintance(points_of(ids), counts));
         }
         self.truth_points += comparison.truths.len() as f64;
         self.track_points += comparison.tracks.len() as f64;
-        reached
+        let cells = matched.cells.iter().zip(&matched.acquaintance);
+        let association = cells.map(|(&(truth, track, reached), &acquaintance)| {
+            let share = shares[acquaintance as usize][reached as usize];
+            (truth, track, share)
+        });
+        let association = PairColumn::new("association", "", association.collect());
+        let reached = PairColumn::new("thresholds", "", matched.cells);
+        (reached, association)
     }
 
-    /// Step 2: for each acquaintance how many of its matches reach exactly 0, 1, 2 … thresholds, and how many each match does.
+    /// Step 2.
     fn matches(
         &mut self,
         comparison: &Comparison,
         acquaintances: &Acquaintances,
         alignment: &[f64],
-    ) -> Matches {
-        let mut of_each = Vec::with_capacity(comparison.truths.len());
-        let mut matches = vec![[0; ALPHAS + 1]; acquaintances.ids.len()];
+    ) -> Matched {
+        let mut matched = Matched {
+            counts: vec![[0; ALPHAS + 1]; acquaintances.ids.len()],
+            cells: Vec::with_capacity(comparison.truths.len()),
+            acquaintance: Vec::with_capacity(comparison.truths.len()),
+        };
         let mut similarity = [0.0; ALPHAS + 1];
         let mut matcher = StepMatcher::default();
         for step in &comparison.steps {
@@ -220,9 +269,12 @@ impl Sums {
             for &index in matcher.best(comparison, step, worth) {
                 let pair = &comparison.pairs[index as usize];
                 let reached = alphas_reached(pair.similarity);
-                matches[acquaintances.of_pair[index as usize] as usize][reached] += 1;
+                let acquaintance = acquaintances.of_pair[index as usize];
+                matched.counts[acquaintance as usize][reached] += 1;
+                matched.acquaintance.push(acquaintance);
                 similarity[reached] += pair.similarity;
-                of_each.push((pair.truth, pair.track, reached as f64));
+                let cell = (pair.truth, pair.track, reached as f64);
+                matched.cells.push(cell);
             }
         }
         let mut sum = 0.0;
@@ -230,16 +282,17 @@ impl Sums {
             sum += similarity[index + 1];
             self.similarity[index] += sum;
         }
-        (matches, of_each)
+        matched
     }
 
-    /// Step 3 for one truth and one track.
+    /// Step 3 for one truth and one track; for each number of thresholds what a match that reaches so many adds to the
+    /// association at all of them.
     fn add_acquaintance(
         &mut self,
         (truth_points, track_points): (f64, f64),
         reached: &[u32; ALPHAS + 1],
-    ) {
-        let mut matches = 0.0;
+    ) -> [f64; ALPHAS + 1] {
+        let (mut matches, mut shares) = (0.0, [0.0; ALPHAS + 1]);
         for index in (0..ALPHAS).rev() {
             matches += f64::from(reached[index + 1]);
             if matches > 0.0 {
@@ -248,8 +301,13 @@ impl Sums {
                     matches * matches / (truth_points + track_points - matches);
                 self.association_recall[index] += matches * matches / truth_points;
                 self.association_precision[index] += matches * matches / track_points;
+                shares[index + 1] = matches / (truth_points + track_points - matches);
             }
         }
+        for index in 0..ALPHAS {
+            shares[index + 1] += shares[index];
+        }
+        shares
     }
 
     fn is_defined(&self) -> bool {

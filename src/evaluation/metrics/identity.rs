@@ -9,10 +9,10 @@
 //! 2. The assignment of truths to tracks with the greatest Σ nᵢⱼ; that sum is IDTP. Only pairs that ever met are edges, so
 //!    truths and tracks that have nothing to do with each other cost nothing.
 //! 3. IDFN and IDFP are the other points of truths and tracks; IDR = IDTP / (IDTP + IDFN), IDP = IDTP / (IDTP + IDFP),
-//!    IDF1 = IDTP / (IDTP + (IDFN + IDFP) / 2).
+//!    IDF1 = IDTP / (IDTP + (IDFN + IDFP) / 2). Over time: IDTP, IDFN and IDFP of each step.
 
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS};
-use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
+use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::acquaintances::Acquaintances;
 use crate::evaluation::comparison::{Comparison, Presence};
 use crate::math::assignment::AssignmentSolver;
@@ -42,7 +42,8 @@ impl Metric for Identity {
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let mut total = [0u64; 3];
-        let (mut per_truth, mut per_track, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
+        let (mut pairs, mut series) = (Vec::new(), Vec::new());
         for sequence in sequences {
             let comparison = sequence.comparison;
             let explained = Explained::new(comparison);
@@ -73,11 +74,10 @@ impl Metric for Identity {
                     &explained.of_track,
                     "idfp",
                 );
-                pairs = vec![PairColumn::new(
-                    "explained",
-                    "",
-                    explained.pairs(comparison),
-                )];
+                let column = PairColumn::new("explained", "", explained.pairs(comparison));
+                let names = ["idtp", "idfn", "idfp"];
+                series = Series::of_matched(names, comparison, &column.sums(comparison));
+                pairs = vec![column];
             }
         }
         let parameters =
@@ -92,6 +92,7 @@ impl Metric for Identity {
             per_truth,
             per_track,
             pairs,
+            series,
             origins: FROM.to_vec(),
             ..report
         }

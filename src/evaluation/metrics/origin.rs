@@ -7,6 +7,8 @@
 //!   `curves.x` is a number at every point of a curve of the report.
 //! - Columns that belong to the metric are named as it names them; the report puts in front what the metric is called.
 
+use crate::evaluation::comparison::Comparison;
+
 /// The log of events: one row an event.
 pub const EVENTS: &str = "events.csv";
 /// The pairs of a truth and a track at one step, with what each contributes to the metrics.
@@ -241,5 +243,17 @@ impl PairColumn {
     ) -> PairColumn {
         cells.sort_unstable_by_key(|&(truth, track, _)| (truth, track));
         PairColumn { name, unit, cells }
+    }
+
+    /// What the pairs of each step contribute together.
+    pub fn sums(&self, comparison: &Comparison) -> Vec<f64> {
+        let mut cells = self.cells.iter().peekable();
+        let mut sum_before = |end: usize| {
+            std::iter::from_fn(|| cells.next_if(|cell| (cell.0 as usize) < end))
+                .map(|cell| cell.2)
+                .sum()
+        };
+        let steps = comparison.steps.iter();
+        steps.map(|step| sum_before(step.truths.end)).collect()
     }
 }

@@ -8,11 +8,10 @@
 
 use super::{MOST_MADE_UP, Steps, sort_times};
 use crate::evaluation::paths::{Paths, gaps_s, median};
+use crate::model::time::rounding_s;
 
 /// Of the steps in the life of the median target.
 const LEAST_SHARE: f64 = 0.75;
-/// Of a period: a step that rounding puts this much outside a stretch is in it.
-const ROUNDING: f64 = 1e-9;
 
 impl Steps {
     pub(super) fn take_truth(&mut self, paths: &Paths) {
@@ -22,8 +21,8 @@ impl Steps {
             .iter()
             .filter_map(|target| {
                 let (first, last) = (target.points.first()?, target.points.last()?);
-                let from =
-                    times_s.partition_point(|time_s| *time_s < first.time_s - self.tolerance_s);
+                let from_s = first.time_s - self.tolerance_s - rounding_s(first.time_s);
+                let from = times_s.partition_point(|time_s| *time_s < from_s);
                 let to = times_s.partition_point(|time_s| *time_s <= last.time_s);
                 Some(target.points.len() as f64 / (to - from).max(1) as f64)
             })
@@ -56,7 +55,7 @@ impl Steps {
         for time_s in sort_times(points.map(|point| point.time_s)) {
             if kept
                 .last()
-                .is_none_or(|last_s| time_s - last_s > self.tolerance_s)
+                .is_none_or(|last_s| time_s - last_s > self.tolerance_s + rounding_s(time_s))
             {
                 kept.push(time_s);
             }
@@ -71,8 +70,10 @@ impl Steps {
         };
         let mut steps: Vec<(f64, f64)> = Vec::new();
         for (from_s, to_s) in stretches_s {
-            let first = ((from_s - start_s) / period_s - ROUNDING).ceil().max(0.0);
-            let last = ((to_s - start_s) / period_s + ROUNDING).floor();
+            // A step that rounding puts outside a stretch is in it.
+            let rounding = rounding_s(to_s) / period_s;
+            let first = ((from_s - start_s) / period_s - rounding).ceil().max(0.0);
+            let last = ((to_s - start_s) / period_s + rounding).floor();
             if last - first >= (MOST_MADE_UP - steps.len().min(MOST_MADE_UP)) as f64 {
                 self.warnings.push(format!(
                     "steps {period_s} s apart would be more than {MOST_MADE_UP}: the steps are the times of the truth"
@@ -97,5 +98,21 @@ impl Steps {
 fn usual_period_s(paths: &Paths) -> Option<f64> {
     let mut all_s: Vec<f64> = paths.targets().iter().flat_map(gaps_s).collect();
     all_s.sort_unstable_by(f64::total_cmp);
-    median(&all_s)
+    let first = paths
+        .targets()
+        .iter()
+        .find_map(|target| target.points.first());
+    Some(plainest(median(&all_s)?, rounding_s(first?.time_s)))
+}
+
+/// The number of fewest decimals that differs by rounding alone: a grid of many periods would add up what was rounded.
+fn plainest(period_s: f64, rounding_s: f64) -> f64 {
+    let rounded = |decimals: i32| {
+        let scale = 10f64.powi(decimals);
+        (period_s * scale).round() / scale
+    };
+    let mut candidates = (0..=9).map(rounded);
+    let found =
+        candidates.find(|plain_s| *plain_s > 0.0 && (plain_s - period_s).abs() <= rounding_s);
+    found.unwrap_or(period_s)
 }

@@ -5,6 +5,7 @@
 
 use super::{StepRule, Steps, Window, sort_times};
 use crate::evaluation::paths::Paths;
+use crate::model::time::rounding_s;
 use crate::model::track::TrackSet;
 
 /// Times that are one step.
@@ -49,7 +50,7 @@ impl Steps {
         for (time_s, is_of_track) in times {
             match groups
                 .last_mut()
-                .filter(|group| time_s - group.from_s <= self.tolerance_s)
+                .filter(|group| time_s - group.from_s <= self.tolerance_s + rounding_s(time_s))
             {
                 Some(group) => group.add(time_s, is_of_track),
                 None => groups.push(Group::new(time_s, is_of_track)),

@@ -9,7 +9,8 @@
 //!    point nearest in time; what stands in no window belongs to no step.
 //! 4. τ is what the request says, else a twentieth of the shortest time between two points of one path, at most 10 ms: clocks that
 //!    round their times differ by less, and two points of one path never fall together. Times of truth nearer than τ are one step.
-//! 5. On request the times of the tracks are steps, alone or with those of the truth: then a silent track misses nothing.
+//! 5. Times that differ by rounding alone are equal, wherever the clock begins: what lies midway between two steps is of the later one.
+//! 6. On request the times of the tracks are steps, alone or with those of the truth: then a silent track misses nothing.
 
 mod grid;
 mod groups;
@@ -17,6 +18,7 @@ mod scans;
 
 use crate::evaluation::paths::{Paths, median};
 use crate::model::scan::Recording;
+use crate::model::time::rounding_s;
 use crate::model::track::{Track, TrackSet};
 use serde::Deserialize;
 
@@ -138,7 +140,9 @@ impl Steps {
         let Some((own_s, period_s)) = self.usual_gap_of_tracks_s.zip(self.period_s) else {
             return;
         };
-        if own_s > RARER * period_s {
+        if own_s
+            > RARER * period_s + rounding_s(self.windows.first().map_or(0.0, |first| first.time_s))
+        {
             self.warnings.push(format!(
                 "tracks say something every {own_s:.3} s, and the steps ({}) are {period_s:.3} s apart: what lies between is missed. \
                  'steps': 'every_s' with 'every_s': {own_s:.3} judges at the rate of the tracks",
@@ -212,12 +216,12 @@ impl Steps {
         self.windows.clear();
         let mut before: Option<(f64, f64)> = None;
         for (time_s, half_s) in times_s {
-            let half_s = half_s.max(self.tolerance_s);
+            let half_s = half_s.max(self.tolerance_s) + rounding_s(time_s);
             let mut from_s = time_s - half_s;
             if let (Some((before_s, before_half_s)), Some(window)) =
                 (before, self.windows.last_mut())
             {
-                let middle_s = before_s + 0.5 * (time_s - before_s);
+                let middle_s = before_s + 0.5 * (time_s - before_s) - rounding_s(time_s);
                 window.to_s = middle_s.min(before_s + before_half_s);
                 from_s = from_s.max(middle_s);
             }

@@ -10,6 +10,7 @@
 use super::{MOST_MADE_UP, Steps, Window, gaps_of, sort_times};
 use crate::evaluation::paths::{Paths, median};
 use crate::model::scan::Recording;
+use crate::model::time::rounding_s;
 use crate::model::track::{TrackPoint, TrackSet};
 
 /// A sensor with fewer gaps shows no period.
@@ -71,7 +72,7 @@ impl Steps {
             (first_s - from.0, "before its first"),
             (to.1 - last_s, "behind its last"),
         ] {
-            if lacking_s > HOLE * period_s {
+            if lacking_s > HOLE * period_s + rounding_s(last_s) {
                 self.warnings.push(format!(
                     "the truth reaches {lacking_s:.1} s {where_} scan of the recording: nothing is judged there"
                 ));
@@ -97,7 +98,8 @@ impl Steps {
         }
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let mut holes: Vec<(f64, f64)> = Vec::new();
-        for (time_s, half_s) in candidates {
+        for (time_s, own_half_s) in candidates {
+            let half_s = own_half_s + rounding_s(time_s);
             let after = times_s.partition_point(|other_s| *other_s < time_s - half_s);
             let is_seen = times_s
                 .get(after)
@@ -106,7 +108,7 @@ impl Steps {
                 .last()
                 .is_some_and(|(other_s, _)| time_s - other_s <= half_s);
             if !is_seen && !is_filled {
-                holes.push((time_s, half_s));
+                holes.push((time_s, own_half_s));
             }
         }
         holes
@@ -144,10 +146,11 @@ impl Steps {
             let after_s = times_s
                 .get(index + 1)
                 .map_or(f64::INFINITY, |after| after - time_s);
+            let rounding_s = rounding_s(time_s);
             self.windows.push(Window {
                 time_s,
-                from_s: time_s - self.tolerance_s.min(0.5 * before_s),
-                to_s: time_s + self.tolerance_s.min(0.5 * after_s),
+                from_s: time_s - (self.tolerance_s + rounding_s).min(0.5 * before_s),
+                to_s: time_s + (self.tolerance_s + rounding_s).min(0.5 * after_s),
             });
         }
         let moved: Vec<f64> = others_s
@@ -189,10 +192,12 @@ impl Clock {
         let mut gaps_s: Vec<f64> = gaps_of([times_s.iter().copied()].into_iter()).collect();
         gaps_s.sort_unstable_by(f64::total_cmp);
         let period_s = median(&gaps_s);
+        let rounding_s = rounding_s(times_s.last().copied().unwrap_or(0.0));
         let is_regular = period_s.is_some_and(|period_s| {
             let is_multiple = |gap_s: &&f64| {
                 let periods = *gap_s / period_s;
-                periods.round() >= 1.0 && (periods - periods.round()).abs() <= JITTER
+                periods.round() >= 1.0
+                    && (periods - periods.round()).abs() <= JITTER + rounding_s / period_s
             };
             let multiples = gaps_s.iter().filter(is_multiple).count();
             multiples as f64 >= REGULAR_SHARE * gaps_s.len() as f64
@@ -211,7 +216,7 @@ impl Clock {
         };
         for pair in self.times_s.windows(2) {
             let (before_s, gap_s) = (pair[0], pair[1] - pair[0]);
-            if gap_s <= HOLE * period_s {
+            if gap_s <= HOLE * period_s + rounding_s(before_s) {
                 continue;
             }
             let parts = (gap_s / period_s).round().max(2.0);
@@ -221,8 +226,9 @@ impl Clock {
                     break;
                 }
                 let place_of = |time_s: f64| (time_s - before_s) / gap_s * parts;
-                let first = place_of(from_s).ceil().max(1.0);
-                let last = place_of(to_s).floor().min(parts - 1.0);
+                let rounding = rounding_s(before_s) / gap_s * parts;
+                let first = (place_of(from_s) - rounding).ceil().max(1.0);
+                let last = (place_of(to_s) + rounding).floor().min(parts - 1.0);
                 if last - first >= (MOST_MADE_UP - holes.len().min(MOST_MADE_UP)) as f64 {
                     return false;
                 }

@@ -367,8 +367,9 @@ impl Reader<'_, '_> {
         if self.outputs.lost > 0 {
             let examples = self.lost_points.join(", ");
             warnings.push(format!(
-                "{} track point(s) belong to no scan and were left out, first: {examples}",
-                self.outputs.lost
+                "{} track point(s) belong to no {} and were left out, first: {examples}",
+                self.outputs.lost,
+                self.axis.place_name()
             ));
         }
         if self.between > 0 {

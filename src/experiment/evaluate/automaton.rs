@@ -17,8 +17,12 @@ pub const MAX_TRANSITIONS: usize = 20_000;
 /// Longer curves are not written to a file.
 pub const MAX_CURVE_ROWS: usize = 500_000;
 
-/// The settings where the request has none: what the data allow.
-pub fn default_settings(comparison: &ComparisonSpec, input: &EvaluationInput) -> TfaSettings {
+/// The settings where the request has none: what the data allow. `None` where they allow none: symbols are the nearest targets in metres,
+/// and directions are no number of metres away from anything.
+pub fn default_settings(
+    comparison: &ComparisonSpec,
+    input: &EvaluationInput,
+) -> Option<TfaSettings> {
     let has_origins = input
         .recording
         .is_some_and(|recording| recording.origins_known);
@@ -28,16 +32,23 @@ pub fn default_settings(comparison: &ComparisonSpec, input: &EvaluationInput) ->
         && (!input.tracks.candidates.is_empty() || input.truth.is_none())
     {
         SymbolRule::DetectionId
+    } else if is_of_directions(input) {
+        return None;
     } else {
         SymbolRule::NearestTruth {
             gate_m: comparison.gate_m,
             max_gap_s: comparison.alignment.rule.max_gap_s(),
         }
     };
-    TfaSettings {
+    Some(TfaSettings {
         symbols,
         ..defaults_of(&TFA)
-    }
+    })
+}
+
+fn is_of_directions(input: &EvaluationInput) -> bool {
+    let truth = input.truth.is_some_and(|truth| !truth.space().has_places());
+    truth || !input.tracks.space.has_places()
 }
 
 /// Judges tracks.
@@ -133,11 +144,11 @@ mod tests {
         };
         assert_eq!(
             found,
-            TfaSettings {
+            Some(TfaSettings {
                 symbols,
                 credit: Credit::AtTheTime,
                 ..TfaSettings::PAPER
-            }
+            })
         );
     }
 }

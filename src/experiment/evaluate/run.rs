@@ -27,6 +27,8 @@ use std::borrow::Cow;
 const WITHOUT_TRUTH: &str = "there is no truth with positions, so the automaton judged by the origins of the detections, and no metric \
                              (GOSPA, OSPA, SIAP, CLEAR, …) was computed; 'truth' gives it";
 
+const OF_DIRECTIONS: &str = "the automaton does not read directions (bearing_deg) whose detections do not say which target they came from";
+
 /// What a job says of its tracks.
 struct AllJudged {
     parts: Map<String, Value>,
@@ -129,9 +131,11 @@ impl EvaluateJob {
         let restricted = self.restrict(data, whole.as_ref(), made)?;
         let tracks = restricted.as_ref().map(|(tracks, _)| tracks).or(made);
         if self.wants_automaton(data)? {
-            let (report, of_automaton) = self.run_automaton(data, tracks, settings, observer)?;
-            result.insert("tfa".to_owned(), report);
-            files = of_automaton;
+            let judged = self.run_automaton(data, tracks, settings, observer)?;
+            if let Some((report, of_automaton)) = judged {
+                result.insert("tfa".to_owned(), report);
+                files = of_automaton;
+            }
         }
         let left_out = restricted.as_ref().map(|(_, left_out)| *left_out);
         let judgement = self.compute_metrics(data, tracks, left_out, settings, observer)?;
@@ -245,14 +249,14 @@ impl EvaluateJob {
         Ok(false)
     }
 
-    /// The part `tfa` of the report, and its files.
+    /// The part `tfa` of the report, and its files; `None` of directions that it cannot read, with a warning.
     fn run_automaton(
         &self,
         data: &mut JobData,
         tracked: Option<&TrackSet>,
         settings: RunSettings,
         observer: &mut dyn Observer,
-    ) -> Result<(Value, Vec<Artifact>), RunError> {
+    ) -> Result<Option<(Value, Vec<Artifact>)>, RunError> {
         report_progress(observer, Step::Evaluate, 0, 1)?;
         let input = EvaluationInput {
             recording: data.recording.as_ref(),
@@ -261,7 +265,20 @@ impl EvaluateJob {
         };
         let comparison = &self.spec.comparison;
         let tfa = self.spec.tfa;
-        let tfa = tfa.unwrap_or_else(|| automaton::default_settings(comparison, &input));
+        let Some(tfa) = tfa.or_else(|| automaton::default_settings(comparison, &input)) else {
+            if self.spec.metrics.is_empty() {
+                let fault = Fault::new(
+                    "/profile",
+                    "unsupported",
+                    format!("{OF_DIRECTIONS}, so nothing would be judged"),
+                );
+                return Err(fault
+                    .allowing("metrics of directions: clear, identity, hota")
+                    .into());
+            }
+            data.warn(vec![OF_DIRECTIONS.to_owned()]);
+            return Ok(None);
+        };
         let tfa = TfaSettings {
             steps: comparison.steps(),
             credit: comparison.credit_of(tfa.symbols),
@@ -277,7 +294,7 @@ impl EvaluateJob {
         report_progress(observer, Step::Evaluate, 1, 1)?;
         let report = to_value(&evaluation.report())?;
         data.warn(warnings);
-        Ok((report, files))
+        Ok(Some((report, files)))
     }
 
     /// What the metrics say; `None` when there are none or no truth was found.

@@ -1,6 +1,7 @@
 //! `trackloom compare`: two results side by side, and whether the second is worse.
 
 use super::build_server::{Verdict, VerdictFiles, failures, number};
+use super::out;
 use super::run::{Format, Trouble, end};
 use crate::model::fault::Fault;
 use crate::service::types::{
@@ -70,6 +71,15 @@ fn finish(arguments: &CompareArguments) -> Result<(), Trouble> {
             detail: "the baseline has this metric, the other result has not".to_owned(),
         });
     }
+    for (name, met) in compare::kept_limits(&sides[0], &sides[1]) {
+        let detail = if met {
+            "met in both"
+        } else {
+            "met in the baseline alone"
+        };
+        let detail = detail.to_owned();
+        verdicts.push(Verdict { name, met, detail });
+    }
     if arguments.fail_if_worse && verdicts.is_empty() {
         let detail = "nothing can be told apart: no number with a better direction has pairs enough for an interval";
         let fault = Fault::new("--fail-if-worse", "unsupported", detail);
@@ -93,7 +103,7 @@ fn finish(arguments: &CompareArguments) -> Result<(), Trouble> {
 /// What a run left in a directory; files that are absent say nothing.
 fn read_side(path: &Path) -> Result<Side, Trouble> {
     let report = if path.is_dir() {
-        path.join("report.json")
+        path.join(out::REPORT)
     } else {
         path.to_owned()
     };
@@ -109,9 +119,15 @@ fn read_side(path: &Path) -> Result<Side, Trouble> {
         serde_json::from_slice(&bytes).map_err(|error| damaged(&name, error.to_string()))?;
     let kind = report["kind"].as_str().and_then(JobKind::from_name);
     let kind = kind.ok_or_else(|| damaged(&name, "it is no report of a job".to_owned()))?;
+    let folder = if path.is_dir() {
+        Some(path)
+    } else {
+        path.parent()
+    };
+    let listed = folder.and_then(out::listed);
     let beside = |name: &str| {
-        let folder = if path.is_dir() { path } else { path.parent()? };
-        std::fs::read(folder.join(name)).ok()
+        let is_ours = listed.as_ref().is_none_or(|names| names.contains(name));
+        std::fs::read(folder.filter(|_| is_ours)?.join(name)).ok()
     };
     let metrics = match beside("metric-series.csv") {
         Some(bytes) => MetricTable::read(&bytes)

@@ -142,6 +142,12 @@ impl JobFile {
         self.files.iter().filter_map(absent).collect()
     }
 
+    /// The files that it reads.
+    pub(super) fn paths(&self) -> impl Iterator<Item = PathBuf> {
+        let files = self.files.values();
+        files.map(|file| self.folder.join(&file.path))
+    }
+
     /// Puts the file sources back into a normalised spec.
     pub(super) fn restore(&self, spec: &mut Value) {
         for (pointer, file) in &self.files {

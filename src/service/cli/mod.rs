@@ -11,6 +11,7 @@ mod feed;
 mod files;
 mod inspect;
 mod keys;
+mod out;
 mod reading;
 mod report;
 mod run;

@@ -2,12 +2,10 @@
 
 use super::build_server::{VerdictFiles, failures, verdicts_of};
 use super::files::JobFile;
-use super::{BAD_INPUT, catalogue, table};
+use super::{BAD_INPUT, catalogue, out, table};
 use crate::experiment::job_shape::with_kind;
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::{
-    self, Artifact, JobKind, Known, LimitsReport, Outcome, Plan, RunError, presets,
-};
+use crate::experiment::{self, JobKind, Known, LimitsReport, Outcome, Plan, RunError, presets};
 use crate::model::fault::Fault;
 use crate::registry;
 use crate::service::child::meter::Meter;
@@ -181,12 +179,12 @@ fn finish_job(
     plan.wants_files = out.is_some();
     let (report, outcome) = compute(&job, plan)?;
     if let Some(folder) = out {
-        write_out(folder, &report, &outcome.artifacts)?;
+        out::write(folder, &report, &outcome.artifacts, job.paths())?;
         let names: Vec<&str> = outcome
             .artifacts
             .iter()
             .map(|artifact| artifact.name)
-            .chain(["report.json"])
+            .chain([out::LIST, out::REPORT])
             .collect();
         eprintln!("wrote {} into {}", names.join(", "), folder.display());
     }
@@ -356,21 +354,6 @@ fn progress_line(progress: &Progress) -> String {
         .eta_s
         .map_or_else(String::new, |eta_s| format!("  {eta_s:.0} s left"));
     format!("{step}  {:.0} %{left}", 100.0 * progress.fraction)
-}
-
-/// Writes each file under another name first, so that none is ever half written.
-fn write_out(folder: &Path, report: &[u8], artifacts: &[Artifact]) -> anyhow::Result<()> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let files = artifacts
-        .iter()
-        .map(|artifact| (artifact.name, artifact.bytes.as_slice()))
-        .chain([("report.json", report)]);
-    for (name, bytes) in files {
-        let (part, path) = (folder.join(format!(".{name}.part")), folder.join(name));
-        let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path));
-        written.with_context(|| format!("cannot write {}", path.display()))?;
-    }
-    Ok(())
 }
 
 fn print(report: &[u8], format: Format) -> anyhow::Result<()> {

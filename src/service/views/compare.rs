@@ -1,5 +1,11 @@
 //! Several jobs side by side: the numbers of their reports, differences pair by pair, and where their requests differ.
 
+mod data;
+mod held;
+
+pub use held::kept_limits;
+
+use self::data::reads_other_data;
 use super::metrics::{MetricTable, split_unit};
 use crate::evaluation::metrics::direction::higher_is_better;
 use crate::math::stats::{self, Interval};
@@ -64,7 +70,7 @@ pub fn of(sides: &[Side], baseline: usize, confidence: f64) -> Comparison {
         jobs: sides.iter().map(|side| side.job.clone()).collect(),
         baseline: sides[baseline].job.id,
         confidence,
-        numbers: numbers(sides),
+        numbers: numbers(sides, &sides[baseline].spec),
         paired,
         verdicts: verdicts(sides, baseline),
         request: request_differences(sides),
@@ -82,7 +88,8 @@ pub fn lost_metrics(side: &Side, other: &Side) -> Vec<String> {
 
 /// A number and its unit, by path.
 fn numbers_of(result: &Value) -> BTreeMap<String, (f64, String)> {
-    let mut found = BTreeMap::new();
+    let plain = |(path, value)| (path, (value, String::new()));
+    let mut found: BTreeMap<_, _> = held::values_of(result).map(plain).collect();
     for part in PARTS {
         let Some(place) = part
             .split('.')
@@ -113,7 +120,8 @@ fn numbers_of(result: &Value) -> BTreeMap<String, (f64, String)> {
     found
 }
 
-fn numbers(sides: &[Side]) -> Vec<ComparedNumber> {
+/// `spec` is the baseline's.
+fn numbers(sides: &[Side], spec: &Value) -> Vec<ComparedNumber> {
     let of_sides: Vec<_> = sides.iter().map(|side| numbers_of(&side.result)).collect();
     let paths: BTreeSet<&String> = of_sides.iter().flat_map(BTreeMap::keys).collect();
     let number = |path: &String| {
@@ -128,7 +136,7 @@ fn numbers(sides: &[Side]) -> Vec<ComparedNumber> {
         (values.iter().flatten().count() > 1).then(|| ComparedNumber {
             path: path.clone(),
             unit,
-            higher_is_better: higher_is_better(path),
+            higher_is_better: held::better(path, spec),
             values,
         })
     };
@@ -168,8 +176,9 @@ fn runs_of(side: &Side) -> Columns {
 fn directions(spec: &Value) -> BTreeMap<String, Option<bool>> {
     let mut found = BTreeMap::new();
     for outcome in spec["outcomes"].as_array().into_iter().flatten() {
-        if let (Some(name), Some(path)) = (outcome["name"].as_str(), outcome["path"].as_str()) {
-            found.insert(name.to_owned(), higher_is_better(path));
+        if let Some(path) = outcome["path"].as_str() {
+            let name = outcome["name"].as_str().unwrap_or(path);
+            found.insert(name.to_owned(), held::better(path, spec));
         }
     }
     found
@@ -275,12 +284,35 @@ fn paired(
 
 /// Names of metrics of which a step that a job does not have is one without any error: nobody was due and nobody there.
 const NOTHING_AT_OTHER_STEPS: [&str; 4] = ["gospa", "ospa", "labelled_ospa", "t_gospa"];
+/// Numbers that are 0 at such a step, of whichever metric.
+const NOTHING_OF_A_STEP: [&str; 15] = [
+    "associated",
+    "association",
+    "divergences",
+    "fn",
+    "fp",
+    "idfn",
+    "idfp",
+    "idsw",
+    "idtp",
+    "missed",
+    "redundant",
+    "spuriousness",
+    "swaps",
+    "tp",
+    "unassigned",
+];
 
 /// Values by step, with 0 at the steps that the other side alone has, where that is what they would be.
 fn filled(name: &str, ours: &[(String, f64)], theirs: &Values) -> Vec<(String, f64)> {
     let mut filled = ours.to_vec();
-    let metric = name.split('.').next().unwrap_or(name);
-    if NOTHING_AT_OTHER_STEPS.contains(&metric) {
+    let (metric, number) = name.split_once('.').unwrap_or((name, name));
+    // The second one of a name is `gospa_2`.
+    let counted = metric
+        .rsplit_once('_')
+        .filter(|(_, count)| count.parse::<u32>().is_ok());
+    let metric = counted.map_or(metric, |(plain, _)| plain);
+    if NOTHING_AT_OTHER_STEPS.contains(&metric) || NOTHING_OF_A_STEP.contains(&number) {
         let known: BTreeSet<&String> = ours.iter().map(|(key, _)| key).collect();
         let missing = theirs.keys().filter(|key| !known.contains(key));
         filled.extend(missing.map(|key| (key.clone(), 0.0)));
@@ -428,22 +460,6 @@ fn request_differences(sides: &[Side]) -> Vec<RequestDifference> {
             })
     };
     pointers.into_iter().filter_map(row).collect()
-}
-
-/// Two trackers on one truth are compared: what is judged may differ there.
-fn reads_other_data(side: &Side, other: &Side) -> bool {
-    let parts = |name: &str| (side.spec.get(name), other.spec.get(name));
-    if let (Some(ours), Some(theirs)) = parts("truth") {
-        let (input, other) = parts("input");
-        return ours != theirs || (input.is_some() && other.is_some() && input != other);
-    }
-    for name in ["input", "truth", "tracks", "sequences", "base"] {
-        let (ours, theirs) = parts(name);
-        if ours != theirs {
-            return true;
-        }
-    }
-    false
 }
 
 fn notes(sides: &[Side]) -> Vec<String> {

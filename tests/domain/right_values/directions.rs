@@ -69,4 +69,19 @@ fn directions_are_matched_within_their_gate_the_shorter_way_round() {
     let whole_deg = ((50.0f64 * 0.25 + 10.0 * 9.0) / 60.0).sqrt();
     let found_deg = quantity(&outcome, "ospa2", "ospa2_whole");
     assert!((found_deg - whole_deg).abs() < 1e-9, "{found_deg}");
+
+    // The automaton of the default profile reads places: it is left out, and said so.
+    let mut body = body;
+    body.as_object_mut().unwrap().remove("profile");
+    let outcome = texts.judge(&body).unwrap();
+    assert_eq!(quantity(&outcome, "clear", "tp"), 50.0);
+    super::warning(&outcome, "the automaton does not read directions");
+    assert!(outcome.result.get("tfa").is_none());
+    body.as_object_mut().unwrap().remove("metrics");
+    body["profile"] = json!("tfa");
+    let faults = texts.judge(&body).unwrap_err();
+    assert_eq!(
+        (faults[0].pointer.as_str(), faults[0].code.as_str()),
+        ("/profile", "unsupported")
+    );
 }

@@ -1,6 +1,7 @@
 //! Numbers that have one right value, worked by hand or by another program, and warnings that say what a number cannot.
 
 mod apart;
+mod clocks;
 mod confirmed_late;
 mod correlation;
 mod directions;

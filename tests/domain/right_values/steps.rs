@@ -395,3 +395,15 @@ fn names_origins_clocks_and_orders_change_nothing() {
         }
     }
 }
+
+#[test]
+fn what_belongs_to_no_step_is_not_said_to_belong_to_no_scan() {
+    let row = |(id, time): (char, u32)| format!("{time},{id},{},0", 10 * time);
+    let truth = table(TRUTH, (0..=20).map(|time| row(('A', time))));
+    let tracks = table(TRACKS, (0..=22).map(|time| row(('1', time))));
+    let outcome = judged(&truth, &tracks, json!({}));
+    super::warning(
+        &outcome,
+        "2 track point(s) belong to no step and were left out",
+    );
+}

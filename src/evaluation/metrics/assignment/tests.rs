@@ -1,6 +1,7 @@
 //! Assignment, divergence and swaps of scenes worked by hand.
 
 use super::*;
+use crate::evaluation::metrics::Line;
 use crate::evaluation::tests::{
     GONE, assert_quantities, compare, evaluate, line, main_scene, swap_scene,
 };
@@ -58,6 +59,35 @@ fn crossing_tracks_swap() {
             ("breaks", Some(0.0)),
         ],
     );
+    let swaps = report.series.iter().find(|series| series.name == "swaps");
+    let values: Vec<f64> = swaps.unwrap().values.iter().flatten().copied().collect();
+    assert_eq!((values.len(), values.iter().sum::<f64>()), (11, 2.0));
+}
+
+#[test]
+fn every_point_is_counted_at_its_step() {
+    // T is on A, U joins it at 1, F is far off at 2; nobody is there at 3.
+    let tracks = [
+        ("T", &[1.0, 1.0, 1.0, GONE][..]),
+        ("U", &[GONE, 2.0, 2.0, GONE][..]),
+        ("F", &[GONE, GONE, 90.0, GONE][..]),
+    ];
+    let scene = compare(&[("A", &[0.0; 4])], &tracks, 10.0);
+    let report = evaluate("assignment", json!({}), &[scene]);
+    let over_time = |series: &Series| {
+        let values: Vec<f64> = series.values.iter().flatten().copied().collect();
+        (series.name, values)
+    };
+    let found: Vec<_> = report.series.iter().map(over_time).collect();
+    let expected = [
+        ("associated", vec![1.0, 1.0, 1.0, 0.0]),
+        ("missed", vec![0.0, 0.0, 0.0, 1.0]),
+        ("redundant", vec![0.0, 1.0, 1.0, 0.0]),
+        ("unassigned", vec![0.0, 0.0, 1.0, 0.0]),
+        ("swaps", vec![0.0; 4]),
+        ("divergences", vec![0.0; 4]),
+    ];
+    assert_eq!(found, expected);
 }
 
 #[test]

@@ -258,3 +258,26 @@ fn sequences_combine_from_counts() {
         ],
     );
 }
+
+#[test]
+fn numbers_over_time_add_up_to_the_totals() {
+    for (metric, names) in [
+        ("clear", &["tp", "fn", "fp", "idsw"][..]),
+        ("identity", &["idtp", "idfn", "idfp"]),
+        ("t_gospa", &["localisation", "missed", "false", "switches"]),
+        ("assignment", &["swaps", "divergences"]),
+    ] {
+        for scene in [main_scene(10.0), swap_scene(10.0)] {
+            let report = evaluate(metric, serde_json::json!({}), &[scene]);
+            for name in names {
+                let series = report.series.iter().find(|series| series.name == *name);
+                let sum: f64 = series.unwrap().values.iter().flatten().sum();
+                let total = report.quantity(name).unwrap();
+                assert!(
+                    (sum - total).abs() < 1e-9,
+                    "{metric}.{name}: {sum}, {total}"
+                );
+            }
+        }
+    }
+}

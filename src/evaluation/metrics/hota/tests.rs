@@ -56,6 +56,37 @@ fn one_truth_with_two_tracks_by_hand() {
 }
 
 #[test]
+fn steps_add_up_to_the_whole() {
+    // A at 3 steps; T on it at 0 and 1; U at 10 m (similarity 0.5, ten of nineteen thresholds) at 2; F far off at 0.
+    let tracks: [Places; 3] = [
+        ("T", &[0.0, 0.0, GONE]),
+        ("U", &[GONE, GONE, 10.0]),
+        ("F", &[500.0, GONE, GONE]),
+    ];
+    let report = hota(&[compare(&[("A", &[0.0; 3])], &tracks, 10.0)]);
+    let over_time = |name: &str| -> Vec<f64> {
+        let mut series = report.series.iter();
+        let series = series.find(|series| series.axis == "time_s" && series.name == name);
+        series.unwrap().values.iter().flatten().copied().collect()
+    };
+    let share = 10.0 / 19.0;
+    assert_close(&over_time("tp"), &[1.0, 1.0, share]);
+    assert_close(&over_time("fn"), &[0.0, 0.0, 1.0 - share]);
+    assert_close(&over_time("fp"), &[1.0, 0.0, 1.0 - share]);
+    // T: 2 / (3 + 2 − 2) at every α, twice; U: 1 / (3 + 1 − 1) at ten.
+    assert_close(
+        &over_time("association"),
+        &[2.0 / 3.0, 2.0 / 3.0, share / 3.0],
+    );
+}
+
+fn assert_close(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+    assert!(found.iter().zip(expected).all(close), "{found:?}");
+}
+
+#[test]
 fn pairs_beyond_the_gate_count_up_to_twice_the_gate() {
     // 16 m at a gate of 10: similarity 0.2, so a match up to α = 0.2.
     assert_eq!(Hota.reach_m(10.0), 20.0);

@@ -60,6 +60,9 @@ static PARAMETERS: Object = Object {
     ],
 };
 
+/// Unit of the parts of the sum.
+const POWER: &str = "m^p";
+
 #[derive(Deserialize)]
 struct TGospa {
     #[serde(flatten)]
@@ -114,17 +117,20 @@ impl Metric for TGospa {
         report.origins = self.origins();
         report.warnings.extend(self.doubt(&total, &report));
         if let [sequence] = sequences {
-            report.pairs = self.pair_columns(sequence.comparison, &total.solution);
-            report.series = vec![switches_over_time(sequence.comparison, &total.solution)];
+            let columns = self.pair_columns(sequence.comparison, &total.solution);
+            let [shares, powers] = &columns;
+            let switches = &total.solution.switches;
+            report.series = self.over_time(sequence.comparison, [shares, powers], switches);
+            report.pairs = columns.into();
         }
         report
     }
 }
 
 /// Switches paid at each step.
-fn switches_over_time(comparison: &Comparison, solution: &Solution) -> Series {
+fn switches_over_time(comparison: &Comparison, paid: &[(u32, f64)]) -> Series {
     let mut switches = vec![0.0; comparison.steps.len()];
-    for &(pair, count) in &solution.switches {
+    for &(pair, count) in paid {
         switches[comparison
             .steps
             .partition_point(|step| step.pairs.end <= pair as usize)] += count;
@@ -155,7 +161,7 @@ impl TGospa {
     }
 
     /// The share to which each near pair is assigned, and so much of its dᵖ.
-    fn pair_columns(&self, comparison: &Comparison, solution: &Solution) -> Vec<PairColumn> {
+    fn pair_columns(&self, comparison: &Comparison, solution: &Solution) -> [PairColumn; 2] {
         let (mut shares, mut powers) = (Vec::new(), Vec::new());
         for &(pair, share) in &solution.shares {
             let pair = &comparison.pairs[pair as usize];
@@ -163,10 +169,32 @@ impl TGospa {
             shares.push((pair.truth, pair.track, share));
             powers.push((pair.truth, pair.track, power));
         }
-        vec![
+        [
             PairColumn::new("share", "", shares),
-            PairColumn::new("power", "m^p", powers),
+            PairColumn::new("power", POWER, powers),
         ]
+    }
+
+    /// What each step adds to the parts of the sum, and the switches paid at it.
+    fn over_time(
+        &self,
+        comparison: &Comparison,
+        [shares, powers]: [&PairColumn; 2],
+        switches: &[(u32, f64)],
+    ) -> Vec<Series> {
+        let half = 0.5 * self.cutoff.powers(1.0);
+        let names = ["matched", "missed", "false"];
+        let parts = Series::of_matched(names, comparison, &shares.sums(comparison));
+        let powers = powers.sums(comparison).into_iter().map(Some);
+        let mut series = vec![Series::over_time("localisation", POWER, powers)];
+        for part in &parts[1..] {
+            // Rounding may leave a part just below 0 where it is none.
+            let values = part.values.iter();
+            let values = values.map(|value| Some((*value)?.max(0.0) * half));
+            series.push(Series::over_time(part.name, POWER, values));
+        }
+        series.push(switches_over_time(comparison, switches));
+        series
     }
 
     fn penalty(&self) -> f64 {
@@ -273,7 +301,7 @@ impl TGospa {
             names
                 .into_iter()
                 .zip(parts)
-                .map(|(name, part)| some(name, cutoff.powers(part), "m^p")),
+                .map(|(name, part)| some(name, cutoff.powers(part), POWER)),
         );
         quantities.extend([
             some("matched_points", matched, ""),
