@@ -27,6 +27,7 @@ import type {
   Report,
   ScanCounts,
   TrackProbability,
+  Usage,
   Validation,
 } from "./types";
 
@@ -77,6 +78,9 @@ export const cancelJob = (id: string): Promise<Job> =>
   taken(client.POST("/v1/jobs/{id}/cancel", path(id)));
 export const rerunJob = (id: string): Promise<Job> =>
   taken(client.POST("/v1/jobs/{id}/rerun", path(id)));
+export const pinJob = (id: string, pinned: boolean): Promise<Job> =>
+  taken(client.PATCH("/v1/jobs/{id}", { ...path(id), body: { pinned } }));
+export const getUsage = (): Promise<Usage> => taken(client.GET("/v1/usage"));
 export const getReport = (id: string): Promise<Report> =>
   taken(client.GET("/v1/jobs/{id}/report", path(id)));
 export const getCampaignCells = (id: string): Promise<CampaignSoFar> =>

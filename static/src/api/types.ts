@@ -41,6 +41,7 @@ export type ModeProbability = Schemas["ModeProbabilitySeries"];
 export type Validation = Schemas["ValidationResult"];
 
 export type Units = Schemas["Units"];
+export type Usage = Schemas["Usage"];
 
 /** How the probability of every track was shared: a row a track, the most doubtful first. */
 export interface AssociationMap {

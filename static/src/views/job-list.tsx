@@ -20,6 +20,7 @@ import { duration, moment, seconds } from "../format";
 import { isActive, poll } from "../state/live";
 import { pageHref, param, setParams } from "../state/url";
 import { compareHref } from "./compare";
+import { UsageLine } from "./usage";
 
 const STATES = ["queued", "running", "succeeded", "failed", "canceled"];
 const KINDS = ["simulate", "associate", "evaluate", "group", "correlate", "campaign"];
@@ -127,6 +128,7 @@ function JobRow({ job, cancel }: { job: Job; cancel: (job: Job) => void }): JSX.
           {job.name || <span class="mono">{job.id}</span>}
         </Link>
         {job.name ? <span class="mono muted id">{job.id.slice(-12)}</span> : null}
+        {job.pinned ? <span class="label">pinned</span> : null}
       </td>
       <td>{job.kind}</td>
       <td class="cell-state">
@@ -287,6 +289,7 @@ function Body({ listing, error, again, cancel, more }: BodyProps): JSX.Element {
           {moment(listing.updated.toISOString())}; trying again.
         </p>
       ) : null}
+      <UsageLine />
       {listing.jobs.length ? <Rows jobs={listing.jobs} cancel={cancel} /> : <Nothing />}
       {listing.next ? (
         <p class="more">

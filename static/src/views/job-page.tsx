@@ -4,7 +4,15 @@
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { ApiError, cancelJob, getPlan, getReport, getScanCounts, rerunJob } from "../api/client";
+import {
+  ApiError,
+  cancelJob,
+  getPlan,
+  getReport,
+  getScanCounts,
+  pinJob,
+  rerunJob,
+} from "../api/client";
 import { type Job, partsOf, type Report } from "../api/types";
 import { Empty, Link, Loading, ProblemBox, StateBadge } from "../components/basics";
 import { later } from "../components/later";
@@ -76,8 +84,11 @@ interface HeadProps {
   changed: (job: Job) => void;
 }
 
+const PIN = "A pinned job stays when old jobs make room";
+
 function Head({ job, rerun, failed, changed }: HeadProps): JSX.Element {
   const cancel = () => void cancelJob(job.id).then(changed, failed);
+  const pin = () => void pinJob(job.id, !job.pinned).then(changed, failed);
   const canceling = isActive(job) && Boolean(job.cancel_requested_at);
   return (
     <header class="job-head">
@@ -89,6 +100,9 @@ function Head({ job, rerun, failed, changed }: HeadProps): JSX.Element {
         <h1>{job.name || `${job.kind} job`}</h1>
         <StateBadge state={job.state} canceling={canceling} />
         <div class="actions">
+          <button type="button" class="quiet" aria-pressed={job.pinned} title={PIN} onClick={pin}>
+            {job.pinned ? "Pinned" : "Pin"}
+          </button>
           {job.can_cancel && !canceling ? (
             <button type="button" onClick={cancel}>
               Cancel
