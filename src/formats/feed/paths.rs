@@ -17,7 +17,7 @@ pub(super) struct Path {
     pub reports: Vec<usize>,
 }
 
-/// Divides the reports into paths. Reports without an identity are ignored; what is used up is counted.
+/// Divides the reports into paths. What is in none of them is counted: reports without an identity, repetitions, jumps.
 pub(super) fn divide(feed: &mut Feed, manner: &Manner, reading: &Reading) -> Vec<Path> {
     let mut order: Vec<usize> = Vec::with_capacity(feed.reports.len());
     let mut nameless = 0;
@@ -187,7 +187,6 @@ fn split(
     let mut callsign: Option<String> = None;
     for index in sound {
         let report = &feed.reports[index];
-        feed.units.use_up(u64::from(report.units));
         let called = if by_callsign {
             feed.callsign_of(index)
         } else {

@@ -6,7 +6,7 @@ use crate::geodesy::{Geodetic, Stereographic, at_slant_range, wrap_longitude_deg
 use crate::model::fault::Fault;
 use crate::model::space::{Frame, Place};
 use crate::model::state::Position;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Farther from the origin lengths in the plane are wrong by more than 0.6 %.
 const FAR_M: f64 = 1e6;
@@ -173,6 +173,37 @@ impl Ground {
             format!(
                 "places lie up to {:.0} km from the origin: beyond 1000 km the plane is longer than the Earth by more than 0.6 %",
                 self.farthest_m / 1000.0
+            )
+        })
+    }
+}
+
+/// Why a report has no place: nobody says where its radar stands.
+pub(super) const UNKNOWN_SITE: &str = "unknown site";
+
+/// The radars whose reports have no place.
+#[derive(Debug, Default)]
+pub(super) struct Unplaced(BTreeSet<u32>);
+
+impl Unplaced {
+    /// Counts a report of a path as used, or as left out for want of a place.
+    pub fn count(&mut self, feed: &mut Feed, report: usize, is_placed: bool) {
+        let Report { sensor, units, .. } = feed.reports[report];
+        if is_placed {
+            feed.units.use_up(units.into());
+        } else {
+            feed.units.ignore(UNKNOWN_SITE, units.into());
+            self.0.insert(sensor);
+        }
+    }
+
+    /// What a user is told of them.
+    pub fn warning(&self, feed: &Feed) -> Option<String> {
+        let names: Vec<&str> = self.0.iter().map(|&one| feed.sensors.name(one)).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "reports of these radars are left out, since nobody says where they stand: {}; `sites` does",
+                names.join(", ")
             )
         })
     }

@@ -122,6 +122,16 @@ fn too_many_rejects_are_refused_by_reason() {
         faults[0].detail,
         "checksum: line 2; 50.000 % of the lines are wrong"
     );
+    let more = "max_rejected 0.25; `max_rejected` allows more";
+    assert_eq!(faults[0].allowed.as_deref(), Some(more));
+    for sound in [0, 1] {
+        let reports = [report(1, 0.0, 0, 1.0)];
+        let mut timeless = self::feed(&reports[..sound]);
+        timeless.reject(Reason::NoTime, 2, 5);
+        let faults = timeless.finish(TimeBase::Utc, &Manner::SHIPS, &ReadOptions::default());
+        let allowed = faults.unwrap_err()[0].allowed.clone().unwrap();
+        assert!(allowed.starts_with("`start`"), "{allowed}");
+    }
     let nothing = super::Feed::of("line")
         .finish(TimeBase::Utc, &Manner::SHIPS, &ReadOptions::default())
         .unwrap_err();
@@ -234,6 +244,41 @@ fn plots_of_a_radar_are_of_turns_and_lie_on_the_ground() {
     let modes = &recording.beside.attributes["mode_a"];
     assert_eq!((modes.get(0), modes.get(1)), (Some("7777"), Some("1000")));
     assert_eq!(recording.sensors[0].x_m, Some(0.0));
+}
+
+/// Two radars, the second of which nobody places.
+#[test]
+fn reports_of_radars_that_nobody_places_are_counted_and_told() {
+    for kind in [DatasetKind::Truth, DatasetKind::Tracks] {
+        let mut feed = radar();
+        feed.sensors.number("1/2");
+        feed.identities.number("7");
+        for report in &mut feed.reports {
+            report.identity = Some(0);
+            report.sensor = u32::from(report.unit > 1);
+        }
+        let outcome = finish(feed, serde_json::json!({}), kind);
+        let units = &outcome.units;
+        assert_eq!((units.total, units.used), (3, 1), "{kind:?}");
+        assert_eq!(units.ignored["unknown site"], 2);
+        assert_eq!(outcome.dataset.row_count(), 1);
+        let told = &outcome.warnings[0];
+        assert!(told.contains("stand: 1/2; `sites`"), "{told}");
+        let mut nowhere = radar();
+        nowhere.identities.number("7");
+        nowhere.sites.clear();
+        for report in &mut nowhere.reports {
+            report.identity = Some(0);
+        }
+        let options = ReadOptions {
+            kind: Some(kind),
+            ..ReadOptions::default()
+        };
+        let faults = nowhere.finish(TimeBase::Utc, &Manner::SHIPS, &options);
+        let fault = &faults.unwrap_err()[0];
+        assert!(fault.detail.ends_with("unknown site 3"), "{}", fault.detail);
+        assert!(fault.allowed.as_ref().unwrap().contains("`sites`"));
+    }
 }
 
 #[test]
