@@ -1,6 +1,6 @@
 //! `trackloom inspect`: what a file holds, before any job.
 
-use super::reading::ReadArguments;
+use super::reading::{NOT_READ, ReadArguments};
 use super::run::{Trouble, end};
 use crate::experiment::inspect::{Inspection, inspect};
 use crate::model::time::TimeBase;
@@ -20,7 +20,7 @@ pub(super) struct InspectArguments {
 }
 
 pub(super) fn run(arguments: &InspectArguments) -> ExitCode {
-    end(finish(arguments), "the file cannot be read")
+    end(finish(arguments), NOT_READ)
 }
 
 fn finish(arguments: &InspectArguments) -> Result<(), Trouble> {

@@ -67,7 +67,7 @@ impl ReadArguments {
         &self,
         kind: DatasetKind,
     ) -> Result<(Option<&'static Format>, ReadOptions), Vec<Fault>> {
-        source(self)?.told(Some(kind))
+        source(self)?.told(Some(kind)).map_err(of_arguments)
     }
 
     /// What was read, and in which format.
@@ -79,8 +79,33 @@ impl ReadArguments {
         let kind = DatasetKind::ALL
             .into_iter()
             .find(|known| Some(known.name()) == kind);
-        source(self)?.read_whole(Path::new(""), kind)
+        let read = source(self)?.read_whole(Path::new(""), kind);
+        read.map_err(of_arguments)
     }
+}
+
+/// The head of what is wrong with a file.
+pub(super) const NOT_READ: &str = "the file cannot be read; docs/formats.md says what each format needs, docs/files.md what columns mean";
+
+/// Faults where the command line says what they are about: what an upload calls `/meta/kind` is `--kind` here.
+fn of_arguments(faults: Vec<Fault>) -> Vec<Fault> {
+    let placed = |fault: Fault| Fault {
+        pointer: argument_of(&fault.pointer).unwrap_or(fault.pointer),
+        ..fault
+    };
+    faults.into_iter().map(placed).collect()
+}
+
+fn argument_of(pointer: &str) -> Option<String> {
+    let (name, within) = match pointer.strip_prefix("/meta/")? {
+        said if said.contains('/') => said.split_once('/')?,
+        said => (said, ""),
+    };
+    Some(match name {
+        "kind" | "format" | "origin" | "start" => format!("--{name}"),
+        "columns" => format!("--column {within}").trim_end().to_owned(),
+        _ => format!("--option {name}"),
+    })
 }
 
 /// The mapping of a file, empty where there is none.
