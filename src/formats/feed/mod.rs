@@ -240,13 +240,19 @@ impl Feed {
         for report in &mut self.reports {
             report.time_s += reading.clock_offset_s.unwrap_or_default();
         }
+        let kind = options.kind.unwrap_or(manner.kind);
+        // Who forgets whose reports they are cannot tell that one is elsewhere.
+        let is_wild = match kind {
+            DatasetKind::Detections => paths::wild(&mut self, manner, &reading),
+            _ => Vec::new(),
+        };
         if reading.identity == Some(Identity::Drop) {
             self.reports
                 .iter_mut()
                 .for_each(|report| report.identity = None);
         }
-        let mut dataset = match options.kind.unwrap_or(manner.kind) {
-            DatasetKind::Detections => detections::build(&mut self, manner, &reading)?,
+        let mut dataset = match kind {
+            DatasetKind::Detections => detections::build(&mut self, &is_wild, manner, &reading)?,
             DatasetKind::Truth => truth::build(&mut self, manner, &reading)?,
             DatasetKind::Tracks => tracks::build(&mut self, manner, &reading)?,
             DatasetKind::BearingTime => return Err(vec![no_record()]),

@@ -180,6 +180,31 @@ fn reports_as_detections_are_gathered_in_frames() {
     assert!(!recording.origins_known && recording.detection_count() == 4);
 }
 
+/// One degree of longitude is 71.7 km: a ship is not there in ten seconds. It does not move the origin either.
+#[test]
+fn wild_positions_are_no_detections() {
+    for said in [
+        serde_json::json!({}),
+        serde_json::json!({"identity": "drop"}),
+    ] {
+        let reports: Vec<Report> = (1..=20)
+            .map(|unit| {
+                let lon_deg = if unit == 9 {
+                    60.0
+                } else {
+                    1.0 + 1e-4 * unit as f64
+                };
+                report(unit, 10.0 * unit as f64, 0, lon_deg)
+            })
+            .collect();
+        let outcome = finish(feed(&reports), said, DatasetKind::Detections);
+        assert_eq!(outcome.units.used, 19);
+        assert_eq!(outcome.units.rejected["position_jump"].first, [9]);
+        let frame = outcome.dataset.frame().unwrap();
+        assert_eq!((frame.latitude_deg(), frame.longitude_deg()), (50.0, 1.0));
+    }
+}
+
 /// A radar at 43.57 N 16.41 E that turns in 4 s and passes north at 1 s.
 fn radar() -> Feed {
     let mut feed = Feed::of("record");
