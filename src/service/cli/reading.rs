@@ -5,6 +5,7 @@ use crate::formats::{Format, ReadOptions, ReadOutcome};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
+use crate::model::truth::TruthSet;
 use crate::registry;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -106,6 +107,24 @@ fn argument_of(pointer: &str) -> Option<String> {
         "columns" => format!("--column {within}").trim_end().to_owned(),
         _ => format!("--option {name}"),
     })
+}
+
+/// The truth in a file of which nothing else is said.
+///
+/// # Errors
+/// What is wrong with the file.
+pub(super) fn read_truth(path: &Path) -> Result<TruthSet, Vec<Fault>> {
+    let source = json!({"source": "file", "path": path});
+    let source = FileSource::deserialize(source)
+        .map_err(|error| vec![Fault::new("--truth", "malformed", error.to_string())])?;
+    let (read, _) = source.read_whole(Path::new(""), Some(DatasetKind::Truth))?;
+    match read.dataset {
+        Dataset::Truth(truth) => Ok(truth),
+        _ => {
+            let detail = "the file holds no truth of places";
+            Err(vec![Fault::new("--truth", "unsupported", detail)])
+        }
+    }
 }
 
 /// The mapping of a file, empty where there is none.
