@@ -24,6 +24,7 @@ pub mod http;
 pub mod jobs;
 pub mod keys;
 pub mod openapi;
+mod panics;
 mod rate;
 pub mod server;
 pub mod sessions;

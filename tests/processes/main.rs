@@ -6,6 +6,7 @@ mod command_line;
 mod database;
 mod disk;
 mod feed;
+mod inspect;
 mod job_files;
 mod keys;
 mod many;
