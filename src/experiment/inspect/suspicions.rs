@@ -234,8 +234,15 @@ fn jumps(steps: &[Step]) -> Option<String> {
     };
     Some(format!(
         "{count} faster than sound, the first of {:.0} m in {} s at {} s",
-        first.way_m, first.time_s, first.at_s
+        first.way_m,
+        rounded(first.time_s),
+        rounded(first.at_s)
     ))
+}
+
+/// To the millisecond.
+fn rounded(time_s: f64) -> f64 {
+    (time_s * 1e3).round() / 1e3
 }
 
 /// Sensors whose numbers of scans leave some out.
