@@ -1,13 +1,18 @@
 //! What a dataset holds, looked at before any job: how its units fared, when and where it is, and what about it seems wrong.
 
+mod beside;
+mod chains;
+mod clocks;
 mod job;
 mod suspicions;
 #[cfg(test)]
 mod tests;
 
+pub use self::beside::suspicions as suspicions_beside_truth;
 use crate::formats::{ReadOutcome, Units};
 use crate::geodesy::Stereographic;
 use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::scan::{Recording, Scan};
 use crate::model::space::{Frame, Space};
 use crate::model::state::Position;
 use crate::model::time::TimeBase;
@@ -90,7 +95,8 @@ pub fn inspect(read: ReadOutcome, format: &str, path: &str) -> Inspection {
         units,
     } = read;
     let summary = dataset.summary();
-    let places_m = places_of(&dataset);
+    let places = places_with_times(&dataset);
+    let places_m: Vec<Position> = places.into_iter().map(|(_, place_m)| place_m).collect();
     let suspicions = suspicions::of(&dataset, &places_m);
     let sensors = sensors_of(&dataset);
     Inspection {
@@ -141,27 +147,39 @@ fn median_gap_s(times_s: &[f64]) -> Option<f64> {
     gaps_s.get(gaps_s.len() / 2).copied()
 }
 
-/// All places of a set in metres.
-fn places_of(dataset: &Dataset) -> Vec<Position> {
+/// The places of a scan (m), as far as its detections have one.
+fn places_of_scan<'a>(
+    recording: &'a Recording,
+    scan: &'a Scan,
+) -> impl Iterator<Item = Position> + 'a {
+    let settings = &recording.sensors[scan.sensor];
+    let site_m = settings.x_m.zip(settings.y_m);
+    let site_m = site_m.map_or(Position::zeros(), |(x_m, y_m)| Position::new(x_m, y_m));
+    let places = scan.detections.iter();
+    places.filter_map(move |one| one.measurement.position_seen_from(&site_m))
+}
+
+/// All places of a set (m), with their times (s).
+fn places_with_times(dataset: &Dataset) -> Vec<(f64, Position)> {
     match dataset {
         Dataset::Detections(recording) => {
-            let places = recording.scans.iter().flat_map(|scan| {
-                let settings = &recording.sensors[scan.sensor];
-                let site_m = settings.x_m.zip(settings.y_m);
-                let site_m = site_m.map_or(Position::zeros(), |(x_m, y_m)| Position::new(x_m, y_m));
-                scan.detections
-                    .iter()
-                    .filter_map(move |one| one.measurement.position_seen_from(&site_m))
+            let scans = recording.scans.iter();
+            let places = scans.flat_map(|scan| {
+                places_of_scan(recording, scan).map(|place_m| (scan.time_s, place_m))
             });
             places.collect()
         }
         Dataset::Truth(truth) if truth.space() != Space::Bearing => {
             let points = truth.targets().iter().flat_map(|target| &target.points);
-            points.map(|point| point.position.xy()).collect()
+            points
+                .map(|point| (point.time_s, point.position.xy()))
+                .collect()
         }
         Dataset::Tracks(set) if set.space != Space::Bearing => {
             let points = set.tracks.iter().flat_map(|track| &track.points);
-            points.map(|point| point.estimate.position.xy()).collect()
+            points
+                .map(|point| (point.time_s, point.estimate.position.xy()))
+                .collect()
         }
         _ => Vec::new(),
     }

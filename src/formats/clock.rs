@@ -18,7 +18,7 @@ pub struct Clock {
     utc_offset_s: Option<f64>,
     added_s: f64,
     day_s: Option<f64>,
-    of_numbers: TimeBase,
+    of_numbers: Option<TimeBase>,
     way: Option<Way>,
     /// The time before, of times of day.
     before_s: Option<f64>,
@@ -58,19 +58,24 @@ impl Clock {
             utc_offset_s: reading.utc_offset_s,
             added_s: reading.clock_offset_s.unwrap_or_default(),
             day_s: reading.day_s().ok().flatten(),
-            of_numbers: reading.time_base.unwrap_or_default(),
+            of_numbers: reading.time_base,
             ..Clock::default()
         }
     }
 
-    /// What the times read so far are counted from; of numbers nobody but the request knows.
+    /// What the times read so far are counted from; of numbers the request knows, else the file.
     pub fn base(&self) -> TimeBase {
         match self.way {
             Some(Way::Instant) => TimeBase::Utc,
             Some(Way::TimeOfDay) if self.day_s.is_some() => TimeBase::AssumedDate,
             Some(Way::TimeOfDay) => TimeBase::Relative,
-            Some(Way::Number) | None => self.of_numbers,
+            Some(Way::Number) | None => self.of_numbers.unwrap_or_default(),
         }
+    }
+
+    /// Notes what the file says that its numbers are counted from.
+    pub fn note_base(&mut self, base: TimeBase) {
+        self.of_numbers.get_or_insert(base);
     }
 
     /// Seconds.

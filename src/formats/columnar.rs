@@ -92,7 +92,13 @@ fn damaged(error: impl std::fmt::Display) -> Vec<Fault> {
     let error = error.to_string();
     // In the words of the two crates for a compression that they are built without.
     if error.contains("Disabled feature") || error.contains("decompression requires") {
-        let detail = format!("the file is compressed in a way that is not read: {error}");
+        let is_brotli = error.to_ascii_lowercase().contains("brotli");
+        let how = if is_brotli {
+            "with Brotli, which"
+        } else {
+            "in a way that"
+        };
+        let detail = format!("the file is compressed {how} is not read");
         let fault = Fault::new("/file", "unsupported", detail);
         return vec![fault.allowing("Parquet with snappy, gzip, Zstandard, LZ4 or uncompressed")];
     }

@@ -12,6 +12,7 @@ use super::{
 };
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
+use crate::model::time::TimeBase;
 use csv::{ErrorKind, ReaderBuilder, StringRecord, Terminator};
 use std::io::{self, BufRead, Write};
 
@@ -70,7 +71,11 @@ pub fn write_csv(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
     if let Dataset::BearingTime(record) = dataset {
         return bearing_time::write(record, out);
     }
-    let mut sink = CsvSink::new(out);
+    let base = Some(dataset.time_base()).filter(|base| base.is_utc());
+    let mut sink = CsvSink {
+        time_base: base.map(TimeBase::name),
+        ..CsvSink::new(out)
+    };
     table::write(dataset, &mut sink)?;
     sink.flush()
 }
@@ -275,6 +280,8 @@ pub(super) struct CsvSink<'a> {
     writer: csv::Writer<&'a mut dyn Write>,
     /// Reused for each number.
     number: String,
+    /// What a last column says that times are counted from.
+    time_base: Option<&'static str>,
 }
 
 impl<'a> CsvSink<'a> {
@@ -282,6 +289,7 @@ impl<'a> CsvSink<'a> {
         CsvSink {
             writer: csv::Writer::from_writer(out),
             number: String::new(),
+            time_base: None,
         }
     }
 
@@ -292,7 +300,10 @@ impl<'a> CsvSink<'a> {
 
 impl Sink for CsvSink<'_> {
     fn begin(&mut self, columns: &[&'static str]) -> io::Result<()> {
-        Ok(self.writer.write_record(columns)?)
+        let base = self.time_base.map(|_| table::TIME_BASE);
+        Ok(self
+            .writer
+            .write_record(columns.iter().copied().chain(base))?)
     }
 
     fn number(&mut self, value: Option<f64>) -> io::Result<()> {
@@ -308,6 +319,9 @@ impl Sink for CsvSink<'_> {
     }
 
     fn end_row(&mut self) -> io::Result<()> {
+        if let Some(base) = self.time_base {
+            self.writer.write_field(base)?;
+        }
         Ok(self.writer.write_record(None::<&[u8]>)?)
     }
 }

@@ -169,7 +169,7 @@ impl Column {
     }
 }
 
-read_by!(Columns => deserialize_map(ColumnsVisitor));
+read_by!(Columns => deserialize_any(ColumnsVisitor));
 
 struct ColumnsVisitor;
 
@@ -178,6 +178,13 @@ impl<'de> Visitor<'de> for ColumnsVisitor {
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         formatter.write_str("an object of columns, each an array")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut names: A) -> Result<Columns, A::Error> {
+        while names.next_element::<IgnoredAny>()?.is_some() {}
+        Err(A::Error::custom(
+            "columns are a list of names, as pandas writes with orient='split': write orient='columns' or 'records'",
+        ))
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Columns, A::Error> {

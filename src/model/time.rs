@@ -23,7 +23,22 @@ pub fn rounding_s(time_s: f64) -> f64 {
 }
 
 impl TimeBase {
+    pub const ALL: [TimeBase; 3] = [TimeBase::Relative, TimeBase::Utc, TimeBase::AssumedDate];
+
     pub fn is_utc(self) -> bool {
         self != TimeBase::Relative
+    }
+
+    /// As files and requests write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            TimeBase::Relative => "relative",
+            TimeBase::Utc => "utc",
+            TimeBase::AssumedDate => "assumed_date",
+        }
+    }
+
+    pub fn named(name: &str) -> Option<TimeBase> {
+        TimeBase::ALL.into_iter().find(|base| base.name() == name)
     }
 }

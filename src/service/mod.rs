@@ -25,6 +25,7 @@ pub mod jobs;
 pub mod keys;
 pub mod monitoring;
 pub mod openapi;
+mod panics;
 mod rate;
 pub mod server;
 pub mod sessions;

@@ -7,6 +7,7 @@ mod comparing;
 mod database;
 mod disk;
 mod feed;
+mod inspect;
 mod job_files;
 mod keys;
 mod many;

@@ -102,7 +102,11 @@ impl Move {
     }
 }
 
-fn move_truth(truth: &mut TruthSet, frame: Frame) -> Result<(), Vec<Fault>> {
+/// Puts truth that has an origin into the plane of another.
+///
+/// # Errors
+/// Places that are not finite there.
+pub fn move_truth(truth: &mut TruthSet, frame: Frame) -> Result<(), Vec<Fault>> {
     let Some(way) = Move::between(truth.frame, frame, truth.space()) else {
         return Ok(());
     };

@@ -27,6 +27,7 @@ use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::simulation;
 pub use detect::DetectionResult;
+pub(super) use frames::move_truth;
 use serde_json::Value;
 
 /// What a job works on, as far as it has it.

@@ -1,16 +1,24 @@
 //! What about a dataset seems wrong, though it can be read: degrees or kilometres in columns of metres, times that are Unix
-//! seconds, jumps faster than sound, scans that are missing.
+//! seconds, clocks that are hours apart, jumps faster than sound, detections that nothing follows, scans that are missing.
 
+use super::chains::{self, Chain};
+use super::clocks;
 use crate::model::dataset::Dataset;
 use crate::model::space::{Place, Space};
 use crate::model::state::Position;
 use crate::model::time::TimeBase;
+use crate::model::truth::TruthPoint;
 
 /// In dry air of 20 °C.
 const SOUND_MPS: f64 = 343.0;
 /// Relative times beyond these are Unix seconds, or milliseconds.
 const UNIX_S: f64 = 1e9;
 const UNIX_MS: f64 = 1e11;
+
+/// What goes steadily, and yet no faster than this, may be given in kilometres (m/s).
+const SLOW_MPS: f64 = 0.5;
+/// Steps, or links from scan to scan, below which nobody can tell.
+const LEAST_STEPS: usize = 10;
 
 /// From one point of an object to the next.
 struct Step {
@@ -23,13 +31,28 @@ struct Step {
 
 /// A sentence for each thing that seems wrong; `places_m` are all places of the set.
 pub fn of(dataset: &Dataset, places_m: &[Position]) -> Vec<String> {
+    let chains = match dataset {
+        Dataset::Detections(recording) => chains::of(recording),
+        _ => Vec::new(),
+    };
     let steps = steps_of(dataset);
     let mut found = Vec::new();
     found.extend(unix_times(dataset));
     // Kilometres may look like degrees; what velocities say is surer.
-    let units = other_units(&steps).or_else(|| degrees(dataset, places_m, &steps));
+    let steady = steady_steps(dataset, &chains);
+    let units = other_units(&steps)
+        .or_else(|| {
+            degrees(
+                dataset,
+                places_m,
+                if steps.is_empty() { &steady } else { &steps },
+            )
+        })
+        .or_else(|| slow(dataset, &steady));
     found.extend(units);
     found.extend(jumps(&steps));
+    found.extend(nothing_follows(&chains));
+    found.extend(clocks::of_sensors(dataset));
     found.extend(missing_scans(dataset));
     found
 }
@@ -81,6 +104,65 @@ fn add_steps(points: &[(f64, Place, Option<Place>)], steps: &mut Vec<Step>) {
     }
 }
 
+/// The steps of what goes steadily: less than half of its way is to and fro.
+fn steady_steps(dataset: &Dataset, chains: &[Chain]) -> Vec<Step> {
+    let paths: Vec<Chain> = match dataset {
+        Dataset::Truth(truth) if truth.space() != Space::Bearing => {
+            let points = truth.targets().iter().map(|target| &target.points);
+            let path = |point: &TruthPoint| (point.time_s, point.position);
+            points
+                .map(|points| points.iter().map(path).collect())
+                .collect()
+        }
+        _ => chains.to_vec(),
+    };
+    let mut steps = Vec::new();
+    for path in paths {
+        let mut of_it = Vec::new();
+        let points = path.iter().map(|&(time_s, place)| (time_s, place, None));
+        let points: Vec<_> = points.collect();
+        add_steps(&points, &mut of_it);
+        let way_m: f64 = of_it.iter().map(|step| step.way_m).sum();
+        let ends = path.first().zip(path.last());
+        let net_m = ends.map_or(0.0, |(first, last)| (last.1 - first.1).norm());
+        if of_it.len() >= LEAST_STEPS && net_m > 0.5 * way_m {
+            steps.append(&mut of_it);
+        }
+    }
+    steps
+}
+
+/// Places that may be in kilometres: all that goes steadily is slower than a person walks.
+fn slow(dataset: &Dataset, steady: &[Step]) -> Option<String> {
+    if dataset.frame().is_some() || steady.len() < LEAST_STEPS {
+        return None;
+    }
+    let mut speeds_mps: Vec<f64> = steady.iter().map(|step| step.way_m / step.time_s).collect();
+    speeds_mps.sort_by(f64::total_cmp);
+    let middle_mps = speeds_mps[speeds_mps.len() / 2];
+    (middle_mps < SLOW_MPS).then(|| {
+        format!(
+            "what goes steadily goes at {middle_mps:.4} m/s: are the lengths kilometres (map them as x_m [km], range_m [km])?"
+        )
+    })
+}
+
+/// Detections that no other ever follows as fast as sound.
+fn nothing_follows(chains: &[Chain]) -> Option<String> {
+    let mut links = 0;
+    let mut slowest_mps = f64::INFINITY;
+    for pair in chains.iter().flat_map(|chain| chain.windows(2)) {
+        let (way_m, time_s) = ((pair[1].1 - pair[0].1).norm(), pair[1].0 - pair[0].0);
+        slowest_mps = slowest_mps.min(way_m / time_s.max(1.0));
+        links += 1;
+    }
+    (links >= LEAST_STEPS && slowest_mps > SOUND_MPS).then(|| {
+        format!(
+            "nothing ever lies within a gate: from scan to scan the nearest detection is {slowest_mps:.0} m/s away, and more"
+        )
+    })
+}
+
 fn unix_times(dataset: &Dataset) -> Option<String> {
     let last_s = dataset.summary().end_s?;
     if dataset.time_base() != TimeBase::Relative || last_s < UNIX_S {
@@ -105,7 +187,7 @@ fn degrees(dataset: &Dataset, places_m: &[Position], steps: &[Step]) -> Option<S
     let moving = steps.iter().filter(|step| step.way_m > 0.0);
     let are_slow = moving.clone().all(|step| step.way_m / step.time_s < 0.05);
     (are_angles && are_slow && moving.count() > 0)
-        .then(|| "x_m and y_m look like degrees: map them to lon_deg and lat_deg".to_owned())
+        .then(|| "x_m and y_m look like degrees: map them to lon_deg and lat_deg; or like kilometres: x_m [km], y_m [km]".to_owned())
 }
 
 /// How many times as fast as it says it is a step goes; of slow ones nobody can tell.
@@ -152,8 +234,15 @@ fn jumps(steps: &[Step]) -> Option<String> {
     };
     Some(format!(
         "{count} faster than sound, the first of {:.0} m in {} s at {} s",
-        first.way_m, first.time_s, first.at_s
+        first.way_m,
+        rounded(first.time_s),
+        rounded(first.at_s)
     ))
+}
+
+/// To the millisecond.
+fn rounded(time_s: f64) -> f64 {
+    (time_s * 1e3).round() / 1e3
 }
 
 /// Sensors whose numbers of scans leave some out.

@@ -111,3 +111,116 @@ fn latitudes_and_longitudes_are_those_of_the_data() {
         assert!((found - expected).abs() < 1e-9, "{spans:?}");
     }
 }
+
+fn detections(rows: impl Iterator<Item = String>) -> String {
+    let rows: Vec<String> = rows.collect();
+    format!("time_s,scan,sensor_id,x_m,y_m\n{}\n", rows.join("\n"))
+}
+
+#[test]
+fn kilometres_are_told_without_velocities() {
+    let none = || serde_json::json!({});
+    // Aircraft at 200 m/s far from the origin: of truth, and of detections.
+    let moving = |unit: f64| {
+        let row = move |step: u32| {
+            let x = (150_000.0 + 800.0 * f64::from(step)) * unit;
+            format!("{},A,{x},{}", 4 * step, 200_000.0 * unit)
+        };
+        look(&truth("x_m,y_m", (0..20).map(row)), none()).suspicions
+    };
+    assert!(
+        moving(0.001)[0].contains("at 0.2000 m/s"),
+        "{:?}",
+        moving(0.001)
+    );
+    assert_eq!(moving(1.0), [""; 0]);
+    let seen = |unit: f64| {
+        let row = |at: u32| {
+            let (step, noise_m) = (at / 2, f64::from(at * at * 37 % 100));
+            let x = (150_000.0 + 800.0 * f64::from(step) + noise_m) * unit;
+            let y = (20_000.0 + 90_000.0 * f64::from(at % 2)) * unit;
+            format!("{},{step},a,{x},{y}", 4 * step)
+        };
+        look(&detections((0..40).map(row)), none()).suspicions
+    };
+    assert!(seen(0.001)[0].contains("kilometres"), "{:?}", seen(0.001));
+    assert_eq!(seen(1.0), [""; 0]);
+    // What lies still is no slow mover.
+    let still = |step: u32| format!("{step},A,{},0", f64::from(step * step * 37 % 10));
+    assert_eq!(
+        look(&truth("x_m,y_m", (0..40).map(still)), none()).suspicions,
+        [""; 0]
+    );
+}
+
+#[test]
+fn clocks_an_hour_apart_and_detections_that_nothing_follows_are_told() {
+    let of = |late_s: u32| {
+        let row = |at: u32| {
+            let (step, is_b) = (at / 2, at % 2 == 1);
+            let time_s = 4 * step + if is_b { late_s } else { 0 };
+            format!(
+                "{time_s},{step},{},{},7",
+                if is_b { "b" } else { "a" },
+                20 * step
+            )
+        };
+        look(&detections((0..60).map(row)), serde_json::json!({})).suspicions
+    };
+    assert_eq!(of(0), [""; 0]);
+    assert_eq!(
+        of(3601),
+        [
+            "the times of sensor 'b' are those of sensor 'a' but for 1 hour: `clock_offset_s` -3600 of its file puts them together"
+        ]
+    );
+    let scattered = |step: u32| {
+        format!(
+            "{step},{step},a,{},{}",
+            step * 7919 % 10_007 * 100,
+            step * 104_729 % 10_009 * 100
+        )
+    };
+    let found = look(&detections((0..40).map(scattered)), serde_json::json!({})).suspicions;
+    assert!(
+        found[0].starts_with("nothing ever lies within a gate"),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn what_was_seen_is_held_against_the_truth() {
+    let walk = |late_s: f64, unit: f64| {
+        let row = move |step: u32| {
+            let time_s = 10.0 * f64::from(step) + late_s;
+            format!(
+                "{time_s},{step},a,{},{}",
+                f64::from(50 * step) * unit,
+                300.0 * unit
+            )
+        };
+        let text = detections((0..50).map(row));
+        let path = |step: u32| format!("{},A,{},300", 10 * step, 50 * step);
+        let truth = truth("x_m,y_m", (0..50).map(path));
+        let read = |text: &str| {
+            let read = read_file("a.csv", &mut text.as_bytes(), None, &ReadOptions::default());
+            read.unwrap().0.dataset
+        };
+        let Dataset::Truth(truth) = read(&truth) else {
+            panic!("no truth");
+        };
+        suspicions_beside_truth(&read(&text), &truth)
+    };
+    assert_eq!(walk(0.0, 1.0), [""; 0]);
+    assert_eq!(
+        walk(7200.0, 1.0),
+        [
+            "nothing lies near the truth as its times are, 100 % does 2 hours earlier: `clock_offset_s` -7200 reads the file so"
+        ]
+    );
+    assert_eq!(
+        walk(1e6, 1.0),
+        ["the file and the truth have no time in common"]
+    );
+    assert!(walk(0.0, 40.0)[0].starts_with("nothing ever lies within 122 m of the truth"));
+}

@@ -20,10 +20,13 @@ const RADAR_SIGMAS: (f64, f64) = (70.0, 0.08);
 
 pub(super) fn build(
     feed: &mut Feed,
+    is_wild: &[bool],
     manner: &Manner,
     reading: &Reading,
 ) -> Result<Dataset, Vec<Fault>> {
-    let mut order: Vec<usize> = (0..feed.reports.len()).collect();
+    let mut order: Vec<usize> = (0..feed.reports.len())
+        .filter(|&index| !is_wild[index])
+        .collect();
     order.sort_by(|&a, &b| feed.reports[a].time_s.total_cmp(&feed.reports[b].time_s));
     let scans = scans::divide(feed, &order, reading.frame_s.unwrap_or(FRAME_S));
     let order = drop_superseded(feed, order, &scans);

@@ -15,6 +15,7 @@ mod truth;
 pub(super) use detections::{FRAME_S, measure};
 pub(super) use place::{Ground, Middle};
 
+use self::place::UNKNOWN_SITE;
 use super::reading::{Identity, Reading};
 use super::table::Interner;
 use super::{ReadOptions, ReadOutcome, Reason, Units};
@@ -128,6 +129,8 @@ pub struct Manner {
     pub sigma_course_deg: Option<f64>,
     /// Whether another callsign is another path.
     pub splits_by_callsign: bool,
+    /// What helps where units have no times.
+    pub without_times: Option<&'static str>,
 }
 
 impl Manner {
@@ -141,6 +144,7 @@ impl Manner {
         sigma_speed_mps: 0.5,
         sigma_course_deg: Some(5.0),
         splits_by_callsign: false,
+        without_times: Some("`start` says when a feed without times begins"),
     };
     /// Of what aircraft send.
     pub const AIRCRAFT: Manner = Manner {
@@ -152,6 +156,7 @@ impl Manner {
         sigma_speed_mps: 1.5,
         sigma_course_deg: None,
         splits_by_callsign: true,
+        without_times: None,
     };
 }
 
@@ -235,19 +240,25 @@ impl Feed {
         for report in &mut self.reports {
             report.time_s += reading.clock_offset_s.unwrap_or_default();
         }
+        let kind = options.kind.unwrap_or(manner.kind);
+        // Who forgets whose reports they are cannot tell that one is elsewhere.
+        let is_wild = match kind {
+            DatasetKind::Detections => paths::wild(&mut self, manner, &reading),
+            _ => Vec::new(),
+        };
         if reading.identity == Some(Identity::Drop) {
             self.reports
                 .iter_mut()
                 .for_each(|report| report.identity = None);
         }
-        let mut dataset = match options.kind.unwrap_or(manner.kind) {
-            DatasetKind::Detections => detections::build(&mut self, manner, &reading)?,
+        let mut dataset = match kind {
+            DatasetKind::Detections => detections::build(&mut self, &is_wild, manner, &reading)?,
             DatasetKind::Truth => truth::build(&mut self, manner, &reading)?,
             DatasetKind::Tracks => tracks::build(&mut self, manner, &reading)?,
             DatasetKind::BearingTime => return Err(vec![no_record()]),
         };
         dataset.set_time_base(base);
-        self.check_units(reading.max_rejected.unwrap_or(manner.max_rejected))?;
+        self.check_units(reading.max_rejected, manner)?;
         let mut warnings = self.warnings;
         warnings.extend(self.units.rejections());
         Ok(ReadOutcome {
@@ -257,7 +268,8 @@ impl Feed {
         })
     }
 
-    fn check_units(&self, max_rejected: f64) -> Result<(), Vec<Fault>> {
+    fn check_units(&self, max_rejected: Option<f64>, manner: &Manner) -> Result<(), Vec<Fault>> {
+        let max_rejected = max_rejected.unwrap_or(manner.max_rejected);
         let units = &self.units;
         let rejected = units.rejected_count();
         if units.used == 0 {
@@ -267,19 +279,31 @@ impl Feed {
                 units.called,
                 units.fates()
             );
-            return Err(vec![Fault::new("/file", "empty", detail)]);
+            let mut fault = Fault::new("/file", "empty", detail);
+            fault.allowed = self.cure(manner).map(Into::into);
+            return Err(vec![fault]);
         }
         if rejected as f64 <= max_rejected * units.total as f64 {
             return Ok(());
         }
         let share = 100.0 * rejected as f64 / units.total as f64;
+        let more = format!("max_rejected {max_rejected}; `max_rejected` allows more");
         let fault = |told: String| {
+            let is_timeless = told.starts_with(Reason::NoTime.name());
+            let allowed = manner.without_times.filter(|_| is_timeless);
             let detail = format!("{told}; {share:.3} % of the {}s are wrong", units.called);
-            Fault::new("/file", "rejected", detail).allowing(format!(
-                "max_rejected {max_rejected}; `max_rejected` allows more"
-            ))
+            Fault::new("/file", "rejected", detail).allowing(allowed.unwrap_or(&more))
         };
         Err(units.rejections().into_iter().map(fault).collect())
+    }
+
+    /// What would make units usable of which none is.
+    fn cure(&self, manner: &Manner) -> Option<&'static str> {
+        if self.units.ignored.contains_key(UNKNOWN_SITE) {
+            return Some("`sites` says where the radars stand");
+        }
+        let is_timeless = self.units.rejected.contains_key(Reason::NoTime.name());
+        manner.without_times.filter(|_| is_timeless)
     }
 
     /// What is said of a single report, by its index.

@@ -17,7 +17,7 @@ pub(super) struct Path {
     pub reports: Vec<usize>,
 }
 
-/// Divides the reports into paths. Reports without an identity are ignored; what is used up is counted.
+/// Divides the reports into paths. What is in none of them is counted: reports without an identity, repetitions, jumps.
 pub(super) fn divide(feed: &mut Feed, manner: &Manner, reading: &Reading) -> Vec<Path> {
     let mut order: Vec<usize> = Vec::with_capacity(feed.reports.len());
     let mut nameless = 0;
@@ -32,12 +32,7 @@ pub(super) fn divide(feed: &mut Feed, manner: &Manner, reading: &Reading) -> Vec
     }
     tell_disorder(feed, &order);
     let reports = &feed.reports;
-    order.sort_by(|&a, &b| {
-        let (a, b) = (&reports[a], &reports[b]);
-        a.identity
-            .cmp(&b.identity)
-            .then(a.time_s.total_cmp(&b.time_s))
-    });
+    sort_by_identity(&mut order, reports);
     let gap_s = reading.path_gap_s.unwrap_or(manner.path_gap_s);
     let max_speed_mps = reading.max_speed_mps.unwrap_or(manner.max_speed_mps);
     let mut paths = Vec::new();
@@ -54,6 +49,32 @@ pub(super) fn divide(feed: &mut Feed, manner: &Manner, reading: &Reading) -> Vec
         );
     }
     paths
+}
+
+/// Which reports are rejected since their identity cannot have come there.
+pub(super) fn wild(feed: &mut Feed, manner: &Manner, reading: &Reading) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..feed.reports.len())
+        .filter(|&index| feed.reports[index].identity.is_some())
+        .collect();
+    sort_by_identity(&mut order, &feed.reports);
+    let max_speed_mps = reading.max_speed_mps.unwrap_or(manner.max_speed_mps);
+    let identities: Vec<Option<u32>> = feed.reports.iter().map(|report| report.identity).collect();
+    let mut is_wild = vec![false; feed.reports.len()];
+    order.iter().for_each(|&index| is_wild[index] = true);
+    for of_one in order.chunk_by(|&a, &b| identities[a] == identities[b]) {
+        let (sound, _) = drop_jumps(feed, of_one.to_vec(), max_speed_mps);
+        sound.iter().for_each(|&index| is_wild[index] = false);
+    }
+    is_wild
+}
+
+fn sort_by_identity(order: &mut [usize], reports: &[Report]) {
+    order.sort_by(|&a, &b| {
+        let (a, b) = (&reports[a], &reports[b]);
+        a.identity
+            .cmp(&b.identity)
+            .then(a.time_s.total_cmp(&b.time_s))
+    });
 }
 
 impl Report {
@@ -187,7 +208,6 @@ fn split(
     let mut callsign: Option<String> = None;
     for index in sound {
         let report = &feed.reports[index];
-        feed.units.use_up(u64::from(report.units));
         let called = if by_callsign {
             feed.callsign_of(index)
         } else {

@@ -6,7 +6,7 @@ use crate::geodesy::{Geodetic, Stereographic, at_slant_range, wrap_longitude_deg
 use crate::model::fault::Fault;
 use crate::model::space::{Frame, Place};
 use crate::model::state::Position;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Farther from the origin lengths in the plane are wrong by more than 0.6 %.
 const FAR_M: f64 = 1e6;
@@ -178,6 +178,37 @@ impl Ground {
     }
 }
 
+/// Why a report has no place: nobody says where its radar stands.
+pub(super) const UNKNOWN_SITE: &str = "unknown site";
+
+/// The radars whose reports have no place.
+#[derive(Debug, Default)]
+pub(super) struct Unplaced(BTreeSet<u32>);
+
+impl Unplaced {
+    /// Counts a report of a path as used, or as left out for want of a place.
+    pub fn count(&mut self, feed: &mut Feed, report: usize, is_placed: bool) {
+        let Report { sensor, units, .. } = feed.reports[report];
+        if is_placed {
+            feed.units.use_up(units.into());
+        } else {
+            feed.units.ignore(UNKNOWN_SITE, units.into());
+            self.0.insert(sensor);
+        }
+    }
+
+    /// What a user is told of them.
+    pub fn warning(&self, feed: &Feed) -> Option<String> {
+        let names: Vec<&str> = self.0.iter().map(|&one| feed.sensors.name(one)).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "reports of these radars are left out, since nobody says where they stand: {}; `sites` does",
+                names.join(", ")
+            )
+        })
+    }
+}
+
 /// The site of the only sensor, else the middle of all places, rounded to a hundredth of a degree; `None` where nothing says where
 /// on the Earth anything is.
 fn choose_origin(
@@ -200,12 +231,17 @@ fn choose_origin(
     middle.frame()
 }
 
-/// The middle of places, the shorter way round the Earth.
+/// How far places may lie from their middle (degrees of a great circle): where one lies farther, it may be wild.
+const FAR_DEG: f64 = 9.0;
+
+/// The middle of places, the shorter way round the Earth: of the box around them, or where some are far from that, the median.
 #[derive(Debug, Default)]
 pub(in crate::formats) struct Middle {
     lat_deg: Option<(f64, f64)>,
     /// The first longitude, and the least and greatest difference from it.
     lon_deg: Option<(f64, f64, f64)>,
+    /// Latitudes, and differences of longitudes from the first.
+    sample: Sample,
 }
 
 impl Middle {
@@ -215,6 +251,7 @@ impl Middle {
         let (first, least, greatest) = self.lon_deg.get_or_insert((lon_deg, 0.0, 0.0));
         let away = wrap_longitude_deg(lon_deg - *first);
         (*least, *greatest) = (least.min(away), greatest.max(away));
+        self.sample.add([lat_deg, away]);
     }
 
     /// # Errors
@@ -223,9 +260,83 @@ impl Middle {
         let (Some(lat), Some((first, least, greatest))) = (self.lat_deg, self.lon_deg) else {
             return Ok(None);
         };
+        let mut lat_deg = f64::midpoint(lat.0, lat.1);
+        let mut away_deg = f64::midpoint(least, greatest);
+        let narrow = lat_deg.to_radians().cos();
+        if (lat.1 - lat_deg).max((greatest - away_deg) * narrow) > FAR_DEG {
+            (lat_deg, away_deg) = (self.sample.median(0), self.sample.median(1));
+        }
         let rounded = |value: f64| (value * 100.0).round() / 100.0;
-        let lat_deg = rounded(f64::midpoint(lat.0, lat.1));
-        let lon_deg = rounded(wrap_longitude_deg(first + f64::midpoint(least, greatest)));
-        Frame::new(lat_deg, lon_deg, 0.0).map(Some)
+        let lon_deg = rounded(wrap_longitude_deg(first + away_deg));
+        Frame::new(rounded(lat_deg), lon_deg, 0.0).map(Some)
+    }
+}
+
+/// Every so many of the values, more and more sparsely as they go on.
+#[derive(Debug, Default)]
+struct Sample {
+    seen: u64,
+    /// The logarithm of how many values go by for one that is kept.
+    sparsity: u32,
+    kept: Vec<[f64; 2]>,
+}
+
+/// Values that are kept.
+const MOST_KEPT: usize = 4096;
+
+impl Sample {
+    fn add(&mut self, value: [f64; 2]) {
+        if self.seen.trailing_zeros() >= self.sparsity {
+            if self.kept.len() == MOST_KEPT {
+                let mut at = 0;
+                self.kept.retain(|_| {
+                    at += 1;
+                    at % 2 == 1
+                });
+                self.sparsity += 1;
+            }
+            if self.seen.trailing_zeros() >= self.sparsity {
+                self.kept.push(value);
+            }
+        }
+        self.seen += 1;
+    }
+
+    /// Of one of the two; 0 of none.
+    fn median(&self, of: usize) -> f64 {
+        let mut values: Vec<f64> = self.kept.iter().map(|value| value[of]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wild_place_does_not_move_the_origin_of_many() {
+        let origin = |wild: Option<[f64; 2]>, places: u32| {
+            let mut middle = Middle::default();
+            for at in 0..places {
+                let away = f64::from(at % 11) * 0.1;
+                middle.add(50.0 + away, (179.5 + away + 180.0) % 360.0 - 180.0);
+                if let Some([lat_deg, lon_deg]) = wild.filter(|_| at == 7) {
+                    middle.add(lat_deg, lon_deg);
+                }
+            }
+            let frame = middle.frame().unwrap().unwrap();
+            (frame.latitude_deg(), frame.longitude_deg())
+        };
+        let (lat_deg, lon_deg) = origin(None, 1100);
+        assert_eq!((lat_deg, lon_deg.abs()), (50.5, 180.0));
+        for places in [1100, 100_000] {
+            let (lat_deg, lon_deg) = origin(Some([0.0, 26.0]), places);
+            assert!((lat_deg - 50.5).abs() <= 0.1, "{lat_deg}");
+            assert!(
+                wrap_longitude_deg(lon_deg - 180.0).abs() <= 0.1,
+                "{lon_deg}"
+            );
+        }
     }
 }

@@ -122,6 +122,16 @@ fn too_many_rejects_are_refused_by_reason() {
         faults[0].detail,
         "checksum: line 2; 50.000 % of the lines are wrong"
     );
+    let more = "max_rejected 0.25; `max_rejected` allows more";
+    assert_eq!(faults[0].allowed.as_deref(), Some(more));
+    for sound in [0, 1] {
+        let reports = [report(1, 0.0, 0, 1.0)];
+        let mut timeless = self::feed(&reports[..sound]);
+        timeless.reject(Reason::NoTime, 2, 5);
+        let faults = timeless.finish(TimeBase::Utc, &Manner::SHIPS, &ReadOptions::default());
+        let allowed = faults.unwrap_err()[0].allowed.clone().unwrap();
+        assert!(allowed.starts_with("`start`"), "{allowed}");
+    }
     let nothing = super::Feed::of("line")
         .finish(TimeBase::Utc, &Manner::SHIPS, &ReadOptions::default())
         .unwrap_err();
@@ -168,6 +178,31 @@ fn reports_as_detections_are_gathered_in_frames() {
         panic!("not detections");
     };
     assert!(!recording.origins_known && recording.detection_count() == 4);
+}
+
+/// One degree of longitude is 71.7 km: a ship is not there in ten seconds. It does not move the origin either.
+#[test]
+fn wild_positions_are_no_detections() {
+    for said in [
+        serde_json::json!({}),
+        serde_json::json!({"identity": "drop"}),
+    ] {
+        let reports: Vec<Report> = (1..=20)
+            .map(|unit| {
+                let lon_deg = if unit == 9 {
+                    60.0
+                } else {
+                    1.0 + 1e-4 * unit as f64
+                };
+                report(unit, 10.0 * unit as f64, 0, lon_deg)
+            })
+            .collect();
+        let outcome = finish(feed(&reports), said, DatasetKind::Detections);
+        assert_eq!(outcome.units.used, 19);
+        assert_eq!(outcome.units.rejected["position_jump"].first, [9]);
+        let frame = outcome.dataset.frame().unwrap();
+        assert_eq!((frame.latitude_deg(), frame.longitude_deg()), (50.0, 1.0));
+    }
 }
 
 /// A radar at 43.57 N 16.41 E that turns in 4 s and passes north at 1 s.
@@ -234,6 +269,41 @@ fn plots_of_a_radar_are_of_turns_and_lie_on_the_ground() {
     let modes = &recording.beside.attributes["mode_a"];
     assert_eq!((modes.get(0), modes.get(1)), (Some("7777"), Some("1000")));
     assert_eq!(recording.sensors[0].x_m, Some(0.0));
+}
+
+/// Two radars, the second of which nobody places.
+#[test]
+fn reports_of_radars_that_nobody_places_are_counted_and_told() {
+    for kind in [DatasetKind::Truth, DatasetKind::Tracks] {
+        let mut feed = radar();
+        feed.sensors.number("1/2");
+        feed.identities.number("7");
+        for report in &mut feed.reports {
+            report.identity = Some(0);
+            report.sensor = u32::from(report.unit > 1);
+        }
+        let outcome = finish(feed, serde_json::json!({}), kind);
+        let units = &outcome.units;
+        assert_eq!((units.total, units.used), (3, 1), "{kind:?}");
+        assert_eq!(units.ignored["unknown site"], 2);
+        assert_eq!(outcome.dataset.row_count(), 1);
+        let told = &outcome.warnings[0];
+        assert!(told.contains("stand: 1/2; `sites`"), "{told}");
+        let mut nowhere = radar();
+        nowhere.identities.number("7");
+        nowhere.sites.clear();
+        for report in &mut nowhere.reports {
+            report.identity = Some(0);
+        }
+        let options = ReadOptions {
+            kind: Some(kind),
+            ..ReadOptions::default()
+        };
+        let faults = nowhere.finish(TimeBase::Utc, &Manner::SHIPS, &options);
+        let fault = &faults.unwrap_err()[0];
+        assert!(fault.detail.ends_with("unknown site 3"), "{}", fault.detail);
+        assert!(fault.allowed.as_ref().unwrap().contains("`sites`"));
+    }
 }
 
 #[test]

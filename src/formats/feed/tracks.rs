@@ -1,7 +1,7 @@
 //! Reports of a tracker as tracks: each path of a track number is one.
 
 use super::codes::Codes;
-use super::place::Ground;
+use super::place::{Ground, Unplaced};
 use super::{Feed, Manner, note, path_name, paths};
 use crate::formats::Reading;
 use crate::model::attributes::Attributes;
@@ -33,6 +33,7 @@ pub(super) fn build(
     let mut attributes = Attributes::new();
     let mut codes = Codes::default();
     let mut tracks = Vec::with_capacity(paths.len());
+    let mut unplaced = Unplaced::default();
     for path in paths {
         let track_id = path_name(feed.identities.name(path.identity), path.number);
         let known = feed.attributes_of(path.identity, &path.reports);
@@ -40,10 +41,13 @@ pub(super) fn build(
         codes.note(feed, &track_id, &path.reports);
         let mut points = Vec::with_capacity(path.reports.len());
         for &index in &path.reports {
-            points.extend(point(feed, index, &mut ground));
+            let point = point(feed, index, &mut ground);
+            unplaced.count(feed, index, point.is_some());
+            points.extend(point);
         }
         tracks.push(Track { track_id, points });
     }
+    feed.warnings.extend(unplaced.warning(feed));
     feed.warnings.extend(ground.warning());
     tracks.retain(|track| !track.points.is_empty());
     tracks.sort_by(|a, b| natural_order(&a.track_id, &b.track_id));

@@ -1,7 +1,7 @@
 //! Reports as truth: each path of an identity is a target.
 
 use super::codes::Codes;
-use super::place::Ground;
+use super::place::{Ground, Unplaced};
 use super::{Feed, Manner, note, path_name, paths};
 use crate::formats::Reading;
 use crate::model::attributes::Attributes;
@@ -25,7 +25,7 @@ pub(super) fn build(
     let mut attributes = Attributes::new();
     let mut codes = Codes::default();
     let mut targets = Vec::with_capacity(paths.len());
-    let mut unplaced = 0;
+    let mut unplaced = Unplaced::default();
     for path in paths {
         let truth_id = path_name(feed.identities.name(path.identity), path.number);
         let known = feed.attributes_of(path.identity, &path.reports);
@@ -33,11 +33,10 @@ pub(super) fn build(
         codes.note(feed, &truth_id, &path.reports);
         let mut points = Vec::with_capacity(path.reports.len());
         for &index in &path.reports {
+            let place_m = ground.place_m(&feed.reports[index]);
+            unplaced.count(feed, index, place_m.is_some());
+            let Some(place_m) = place_m else { continue };
             let report = &feed.reports[index];
-            let Some(place_m) = ground.place_m(report) else {
-                unplaced += 1;
-                continue;
-            };
             points.push(TruthPoint {
                 time_s: report.time_s,
                 position: place_m.push(0.0),
@@ -47,11 +46,7 @@ pub(super) fn build(
         }
         targets.push(Target { truth_id, points });
     }
-    if unplaced > 0 {
-        feed.warnings.push(format!(
-            "{unplaced} reports of radars have no place: `sites` says where the radars stand"
-        ));
-    }
+    feed.warnings.extend(unplaced.warning(feed));
     feed.warnings.extend(ground.warning());
     targets.retain(|target| !target.points.is_empty());
     targets.sort_by(|a, b| natural_order(&a.truth_id, &b.truth_id));

@@ -60,11 +60,12 @@ enum Framing {
 /// Reads a file in whichever of the framings it is.
 ///
 /// # Errors
-/// A framing that is none of these; `start`, or `utc_offset_s`, where the framing has no times without it; a line that is too
+/// A framing that is none of these; AVR without clocks; `start`, or `utc_offset_s`, where the framing has no times without it; a line that is too
 /// long, and a file that cannot be read.
 pub fn decode(input: &mut dyn BufRead, told: &Told) -> Result<Feed, Vec<Fault>> {
     match framing(input)? {
         Framing::Beast => beast(input, told),
+        Framing::Avr if !has_clocks(input) => Err(vec![no_clocks()]),
         framing => texts(input, told, LineReader::new(framing, told)?),
     }
 }
@@ -95,6 +96,17 @@ fn framing(input: &mut dyn BufRead) -> Result<Framing, Vec<Fault>> {
             ])
         }
     }
+}
+
+/// Whether AVR lines have a clock in front of their frames, as far as the first lines show.
+fn has_clocks(input: &mut dyn BufRead) -> bool {
+    input.fill_buf().is_ok_and(|first| first.contains(&b'@'))
+}
+
+fn no_clocks() -> Fault {
+    let detail = "the lines begin with * and have no times: when each frame came is not in this file, and `start` cannot say it";
+    let allowed = "lines that begin with @ and a clock, Beast or rs1090 of the same receiver; `trackloom feed` takes the times at which lines arrive";
+    Fault::new("/file", "missing", detail).allowing(allowed)
 }
 
 fn missing(option: &str, detail: &str) -> Vec<Fault> {

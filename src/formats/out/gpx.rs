@@ -1,4 +1,4 @@
-//! GPX 1.1: truth and tracks as `trk`, pieces between which there is silence as `trkseg`. A point has `ele` where its height
+//! GPX 1.1: truth and tracks as `trk`, pieces between which there is silence as `trkseg`, which has a lone point twice. A point has `ele` where its height
 //! is known; programs take that for the height above mean sea level, and it is written as it is.
 //!
 //! # Reference
@@ -52,7 +52,7 @@ fn push_path(text: &mut String, path: &Path) -> Result<(), WriteError> {
     text.push('\n');
     for piece in &path.pieces {
         text.push_str("<trkseg>\n");
-        for spot in piece {
+        for spot in paths::line(piece) {
             push_point(text, spot)?;
         }
         text.push_str("</trkseg>\n");

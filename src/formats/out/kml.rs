@@ -1,6 +1,6 @@
 //! KML 2.2 with Google's tracks: `gx:Track`, an instant and a place for each point, in the programs that show a time slider.
 //!
-//! Pieces of a path, between which there is silence, are the tracks of a `gx:MultiTrack`. Heights count from the sea level there
+//! Pieces of a path, between which there is silence, are the tracks of a `gx:MultiTrack`; one of a single point has it twice. Heights count from the sea level there
 //! (`absolute`), and are written as they are; where a path has none at all, it lies on the ground. Detections are points with
 //! an instant each; bearings alone have no place, and are left out.
 //!
@@ -80,11 +80,11 @@ fn push_path(text: &mut String, id: &str, mut path: Path) -> Result<(), WriteErr
     for piece in &path.pieces {
         text.push_str("<gx:Track>");
         text.push_str(mode);
-        for spot in piece {
+        for spot in paths::line(piece) {
             push_element(text, "when", &instant(spot.time_s)?);
         }
         text.push('\n');
-        for spot in piece {
+        for spot in paths::line(piece) {
             text.push_str("<gx:coord>");
             push_place(text, spot, ' ');
             text.push_str("</gx:coord>");

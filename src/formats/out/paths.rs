@@ -54,6 +54,13 @@ impl Path<'_> {
     }
 }
 
+/// The points of a piece as a line, which has two at least: a lone point is there twice. Readers that make geometries of lines refuse
+/// those of one point.
+pub fn line(piece: &[Spot]) -> impl Iterator<Item = &Spot> {
+    let again = piece.first().filter(|_| piece.len() == 1);
+    piece.iter().chain(again)
+}
+
 /// The name of what identifies a path.
 pub fn id_name(dataset: &Dataset) -> &'static str {
     match dataset {

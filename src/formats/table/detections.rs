@@ -6,6 +6,7 @@ mod live;
 mod own;
 mod poses;
 mod scans;
+mod turns;
 mod write;
 
 pub use live::follow;

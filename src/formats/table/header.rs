@@ -11,7 +11,8 @@ use crate::model::attributes::{ATTRIBUTES, attribute_named};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 pub use schemas::{
-    BEARING_COVARIANCE, COVARIANCE, MODE_COLUMNS, VELOCITY, VOLUME_COVARIANCE, VOLUME_VELOCITY,
+    BEARING_COVARIANCE, COVARIANCE, MODE_COLUMNS, TIME_BASE, VELOCITY, VOLUME_COVARIANCE,
+    VOLUME_VELOCITY,
 };
 use schemas::{
     BEARING_TRACKS, DETECTIONS, EVERYWHERE, PLANAR_PARTS, Schema, TRACKS, TRACKS_IN_VOLUME,
@@ -149,7 +150,7 @@ pub fn resolve(
     }
     check_renaming_source(rows, options, &mut faults);
     let Some(kind) = options.kind.or_else(|| kind_of(&names)) else {
-        let detail = "the columns do not say what the file holds: tracks need 'track_id', detections 'detection_id' and 'scan', truth 'truth_id'";
+        let detail = "the columns do not say what the file holds: tracks have 'track_id', truth 'truth_id', detections 'scan' or 'detection_id', or `kind` says that they are detections";
         let cure = cure_after(rows, &names, None);
         faults.push(
             rows.header_fault(None, "missing", format!("{detail}{cure}"))

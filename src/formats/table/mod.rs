@@ -21,7 +21,7 @@ mod units;
 pub use degrees::degrees;
 pub use detections::{Layout, named_pose, write_rows};
 pub use fault_log::FaultLog;
-pub use header::pointer_token;
+pub use header::{TIME_BASE, pointer_token};
 pub use interner::Interner;
 pub use live::follow;
 pub use repeats::Repeats;

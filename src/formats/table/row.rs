@@ -1,6 +1,6 @@
 //! One row at a time: cells to numbers and names, each fault with its place.
 
-use super::header::Header;
+use super::header::{Header, TIME_BASE};
 use super::rejects::Rejects;
 use super::{FaultLog, Repeats, Rows};
 use crate::formats::clock::{Clock, NoTime};
@@ -22,6 +22,9 @@ pub struct RowReader<'a> {
     count: u64,
     scales: &'a [f64],
     clock: Clock,
+    base_column: Option<usize>,
+    /// What the rows say that their times are counted from.
+    base: Option<TimeBase>,
     /// Where rows may be wrong.
     rejects: Option<Rejects>,
     /// Those that were read before they were rejected.
@@ -41,6 +44,8 @@ impl<'a> RowReader<'a> {
             count: 0,
             scales: header.scales(),
             clock: Clock::new(reading, time_scale),
+            base_column: header.find(TIME_BASE),
+            base: None,
             rejects: Rejects::allowed_by(reading, word),
             rejected: 0,
         }
@@ -224,8 +229,36 @@ impl<'a> RowReader<'a> {
         repeats.warning(self.rows.row_word())
     }
 
+    /// Notes what the row says that its time is counted from.
+    fn note_base(&mut self) {
+        let Some(column) = self.base_column else {
+            return;
+        };
+        let text = self.rows.cell(column).trim_ascii();
+        if text.is_empty() || self.base.is_some_and(|base| base.name() == text) {
+            return;
+        }
+        match (TimeBase::named(text), self.base) {
+            (Some(base), None) => {
+                self.base = Some(base);
+                self.clock.note_base(base);
+            }
+            (Some(base), Some(before)) => {
+                let (base, before) = (base.name(), before.name());
+                let detail = format!("times are '{base}' here and '{before}' before");
+                self.fault(column, "conflict", detail);
+            }
+            (None, _) => {
+                let detail = format!("'{}' is nothing that times are counted from", shorten(text));
+                let allowed = TimeBase::ALL.map(TimeBase::name).join(", ");
+                self.fault_allowing(column, "unknown_value", detail, &allowed);
+            }
+        }
+    }
+
     /// The time of a cell (s).
     pub fn time(&mut self, column: usize) -> Option<f64> {
+        self.note_base();
         let text = self.rows.cell(column).trim_ascii();
         match self.clock.read(text) {
             Ok(time_s) => return Some(time_s),

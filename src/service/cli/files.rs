@@ -11,6 +11,7 @@ use crate::model::fault::Fault;
 use crate::registry::{
     self, Field, Kind, Object, joined, list, optional, placed, required, text_map,
 };
+use crate::service::panics;
 use crate::service::storage::blobs::sha256_hex;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -262,7 +263,9 @@ impl FileSource {
             vec![Fault::new("/path", "not_found", detail)]
         })?;
         let (format, options) = self.told(kind)?;
-        let read = formats::read_file(&self.path, &mut bytes.as_slice(), format, &options)?;
+        let read = panics::reading(|| {
+            formats::read_file(&self.path, &mut bytes.as_slice(), format, &options)
+        })?;
         Ok((read, bytes))
     }
 

@@ -1,32 +1,41 @@
 //! `trackloom inspect`: what a file holds, before any job.
 
-use super::reading::ReadArguments;
+use super::reading::{NOT_READ, ReadArguments, read_truth};
 use super::run::{Trouble, end};
-use crate::experiment::inspect::{Inspection, inspect};
+use crate::experiment::inspect::{Inspection, inspect, suspicions_beside_truth};
 use crate::model::time::TimeBase;
 use anyhow::Context;
 use clap::Args;
 use jiff::Timestamp;
 use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 #[derive(Args)]
 pub(super) struct InspectArguments {
     #[command(flatten)]
     read: ReadArguments,
+    /// The truth of what was seen, whose times and places must meet those of the file
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
     /// All of it as JSON
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn run(arguments: &InspectArguments) -> ExitCode {
-    end(finish(arguments), "the file cannot be read")
+    end(finish(arguments), NOT_READ)
 }
 
 fn finish(arguments: &InspectArguments) -> Result<(), Trouble> {
     let (read, format) = arguments.read.read()?;
     let path = arguments.read.file.to_string_lossy();
-    let found = inspect(read, format.name, &path);
+    let beside = match &arguments.truth {
+        Some(truth) => suspicions_beside_truth(&read.dataset, &read_truth(truth)?),
+        None => Vec::new(),
+    };
+    let mut found = inspect(read, format.name, &path);
+    found.suspicions.extend(beside);
     if arguments.json {
         let text = serde_json::to_string_pretty(&found).context("the inspection is not JSON");
         return say(&text.map_err(Trouble::Failed)?);
@@ -71,7 +80,7 @@ fn told(found: &Inspection) -> String {
         );
         lines.push(format!(
             "  {start} to {end} ({} s)",
-            time.end_s - time.start_s
+            rounded(time.end_s - time.start_s)
         ));
     }
     if let Some(frame) = &found.frame {
@@ -88,9 +97,9 @@ fn told(found: &Inspection) -> String {
         ));
     }
     for sensor in &found.sensors {
-        let period = sensor
-            .period_s
-            .map_or(String::new(), |period_s| format!(", every {period_s} s"));
+        let period = sensor.period_s.map_or(String::new(), |period_s| {
+            format!(", every {} s", rounded(period_s))
+        });
         lines.push(format!(
             "  sensor {}: {} detections in {} scans{period}",
             sensor.sensor_id, sensor.detections, sensor.scans
@@ -108,9 +117,15 @@ fn told(found: &Inspection) -> String {
 
 /// A time as UTC where it is one, else in seconds.
 fn shown(time_s: f64, base: TimeBase) -> String {
-    let instant = Timestamp::from_nanosecond((time_s * 1e9) as i128);
+    // To the millisecond that is nearest; it is written without what is below.
+    let instant = Timestamp::from_nanosecond((time_s * 1e3).round() as i128 * 1_000_000);
     match instant {
         Ok(instant) if base.is_utc() => format!("{instant:.3}"),
-        _ => format!("{time_s} s"),
+        _ => format!("{} s", rounded(time_s)),
     }
+}
+
+/// To the microsecond, without zeros at the end.
+fn rounded(time_s: f64) -> f64 {
+    (time_s * 1e6).round() / 1e6
 }

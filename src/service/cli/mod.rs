@@ -258,6 +258,7 @@ const BAD_INPUT: u8 = 2;
 
 /// Runs the command of the process's arguments. Exit codes: 0 done, 1 failed, 2 bad input.
 pub fn main() -> ExitCode {
+    crate::service::panics::hold_while_reading();
     let command = match settings::arguments() {
         Ok(arguments) => arguments.command,
         Err(refusal) => {

@@ -5,6 +5,7 @@ use crate::formats::{Format, ReadOptions, ReadOutcome};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
+use crate::model::truth::TruthSet;
 use crate::registry;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -67,7 +68,7 @@ impl ReadArguments {
         &self,
         kind: DatasetKind,
     ) -> Result<(Option<&'static Format>, ReadOptions), Vec<Fault>> {
-        source(self)?.told(Some(kind))
+        source(self)?.told(Some(kind)).map_err(of_arguments)
     }
 
     /// What was read, and in which format.
@@ -79,7 +80,50 @@ impl ReadArguments {
         let kind = DatasetKind::ALL
             .into_iter()
             .find(|known| Some(known.name()) == kind);
-        source(self)?.read_whole(Path::new(""), kind)
+        let read = source(self)?.read_whole(Path::new(""), kind);
+        read.map_err(of_arguments)
+    }
+}
+
+/// The head of what is wrong with a file.
+pub(super) const NOT_READ: &str = "the file cannot be read; docs/formats.md says what each format needs, docs/files.md what columns mean";
+
+/// Faults where the command line says what they are about: what an upload calls `/meta/kind` is `--kind` here.
+fn of_arguments(faults: Vec<Fault>) -> Vec<Fault> {
+    let placed = |fault: Fault| Fault {
+        pointer: argument_of(&fault.pointer).unwrap_or(fault.pointer),
+        ..fault
+    };
+    faults.into_iter().map(placed).collect()
+}
+
+fn argument_of(pointer: &str) -> Option<String> {
+    let (name, within) = match pointer.strip_prefix("/meta/")? {
+        said if said.contains('/') => said.split_once('/')?,
+        said => (said, ""),
+    };
+    Some(match name {
+        "kind" | "format" | "origin" | "start" => format!("--{name}"),
+        "columns" => format!("--column {within}").trim_end().to_owned(),
+        _ => format!("--option {name}"),
+    })
+}
+
+/// The truth in a file of which nothing else is said.
+///
+/// # Errors
+/// What is wrong with the file.
+pub(super) fn read_truth(path: &Path) -> Result<TruthSet, Vec<Fault>> {
+    let source = json!({"source": "file", "path": path});
+    let source = FileSource::deserialize(source)
+        .map_err(|error| vec![Fault::new("--truth", "malformed", error.to_string())])?;
+    let (read, _) = source.read_whole(Path::new(""), Some(DatasetKind::Truth))?;
+    match read.dataset {
+        Dataset::Truth(truth) => Ok(truth),
+        _ => {
+            let detail = "the file holds no truth of places";
+            Err(vec![Fault::new("--truth", "unsupported", detail)])
+        }
     }
 }
 

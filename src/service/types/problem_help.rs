@@ -138,7 +138,7 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
     (
         "validation",
         "Something in the request, or in a file, cannot be used. The member errors lists the faults, each with its place.",
-        "Mend what errors names. Its pointer says where in the request, allowed says what would do, line and column where in a file.",
+        "Mend what errors names. Its pointer says where in the request, allowed says what would do, line and column where in a file; docs/formats.md says what each format of files needs.",
     ),
     (
         "idempotency_mismatch",

@@ -507,7 +507,18 @@ fn what_has_to_be_told_is_asked_for() {
     };
     let missing = |pointer: &str| ("missing".to_owned(), pointer.to_owned());
     assert_eq!(code(&beast(1, EVEN)), missing("/meta/start"));
-    assert_eq!(code(b"*8D;"), missing("/meta/start"));
+    assert_eq!(code(b"@000000000001*8D;"), missing("/meta/start"));
+    assert_eq!(code(b"*8D;"), missing("/file"));
+    let text = format!("*{EVEN};\n*{ODD};\n");
+    let faults = decode(&mut text.as_bytes(), &started()).err().unwrap();
+    assert!(faults[0].detail.contains("have no times"), "{faults:?}");
+    assert!(
+        faults[0]
+            .allowed
+            .as_ref()
+            .unwrap()
+            .contains("trackloom feed")
+    );
     assert_eq!(code(b"MSG,1"), missing("/meta/utc_offset_s"));
     assert_eq!(code(b"<xml>").0, "unsupported");
     assert_eq!(code(b"").0, "unsupported");

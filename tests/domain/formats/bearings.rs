@@ -112,7 +112,7 @@ fn what_is_wrong_with_a_bearing_is_named_by_its_line() {
             "'1e400' is not a finite number"
         )
     );
-    let known = "time_s, track_id, bearing_deg, sensor_id, bearing_rate_degps, p_bb, p_bbr, p_brbr, detection_id, probability, status, nis, known_at_s, existence, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, position_accuracy_m, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
+    let known = "time_s, track_id, bearing_deg, sensor_id, bearing_rate_degps, p_bb, p_bbr, p_brbr, detection_id, probability, status, nis, known_at_s, existence, lat_deg, lon_deg, height_m, speed_mps, course_deg, time_base, address, callsign, mode_a, mode_c_ft, position_accuracy_m, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
     assert_eq!(
         fault("csv", "time_s,track_id,bearing_deg,p_bb,p_brbr\n"),
         at(

@@ -4,7 +4,7 @@ use super::*;
 use trackloom_domain::model::scan::Measurement;
 
 const HEADER: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m\n";
-const KNOWN: &str = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, vx_mps, vy_mps, sigma_x_m, sigma_y_m, correlation_xy, sigma_z_m, sigma_range_m, sigma_bearing_deg, sigma_elevation_deg, sigma_range_rate_mps, sigma_speed_mps, sigma_course_deg, sensor_x_m, sensor_y_m, sensor_z_m, sensor_vx_mps, sensor_vy_mps, sensor_vz_mps, sensor_heading_deg, sensor_pitch_deg, sensor_roll_deg, sensor_sigma_x_m, sensor_sigma_y_m, sensor_sigma_z_m, sensor_sigma_vx_mps, sensor_sigma_vy_mps, sensor_sigma_vz_mps, sensor_sigma_heading_deg, sensor_sigma_pitch_deg, sensor_sigma_roll_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, position_accuracy_m, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
+const KNOWN: &str = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg, vx_mps, vy_mps, sigma_x_m, sigma_y_m, correlation_xy, sigma_z_m, sigma_range_m, sigma_bearing_deg, sigma_elevation_deg, sigma_range_rate_mps, sigma_speed_mps, sigma_course_deg, sensor_x_m, sensor_y_m, sensor_z_m, sensor_vx_mps, sensor_vy_mps, sensor_vz_mps, sensor_heading_deg, sensor_pitch_deg, sensor_roll_deg, sensor_sigma_x_m, sensor_sigma_y_m, sensor_sigma_z_m, sensor_sigma_vx_mps, sensor_sigma_vy_mps, sensor_sigma_vz_mps, sensor_sigma_heading_deg, sensor_sigma_pitch_deg, sensor_sigma_roll_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, time_base, address, callsign, mode_a, mode_c_ft, position_accuracy_m, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
 
 fn detections(rows: &str) -> Fault {
     fault("csv", format!("{HEADER}{rows}"))
@@ -27,7 +27,7 @@ fn an_empty_file_is_a_fault() {
 
 #[test]
 fn columns_that_say_nothing_are_a_fault() {
-    let detail = "the columns do not say what the file holds: tracks need 'track_id', detections 'detection_id' and 'scan', truth 'truth_id'";
+    let detail = "the columns do not say what the file holds: tracks have 'track_id', truth 'truth_id', detections 'scan' or 'detection_id', or `kind` says that they are detections";
     let expected = Fault {
         line: Some(1),
         ..Fault::new("/file", "missing", detail).allowing("tracks, detections, truth")
@@ -130,7 +130,7 @@ fn a_renaming_must_fit_the_file_and_the_format() {
     };
     let faults =
         read_with("csv", "t,id,x_m,y_m\n1,a,2,3\n", &options).expect_err("the renaming is broken");
-    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, position_accuracy_m, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
+    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, time_base, address, callsign, mode_a, mode_c_ft, position_accuracy_m, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
     assert_eq!(
         faults,
         [
@@ -552,6 +552,30 @@ fn noises_that_are_none_are_refused() {
                 Some("above -1 and below 1")
             ),
             (Some(4), Some("speed_mps"), Some(">= 0 m/s")),
+        ]
+    );
+}
+
+#[test]
+fn times_are_counted_from_one_beginning() {
+    let text = "time_s,truth_id,x_m,y_m,time_base\n0,a,1,2,\n1,a,1,2,utc\n2,a,1,2,relative\n3,a,1,2,noon\n";
+    let faults = read("csv", text).unwrap_err();
+    assert_eq!(
+        faults,
+        [
+            at(
+                4,
+                "time_base",
+                "conflict",
+                "times are 'relative' here and 'utc' before"
+            ),
+            at(
+                5,
+                "time_base",
+                "unknown_value",
+                "'noon' is nothing that times are counted from"
+            )
+            .allowing("relative, utc, assumed_date"),
         ]
     );
 }

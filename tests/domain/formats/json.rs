@@ -65,7 +65,7 @@ fn faults_point_into_the_columns() {
     );
     let missing =
         r#"{"kind": "truth", "columns": {"time_s": [1], "a/b": [1], "x_m": [1], "y_m": [3]}}"#;
-    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, address, callsign, mode_a, mode_c_ft, position_accuracy_m, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
+    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg, lat_deg, lon_deg, height_m, speed_mps, course_deg, time_base, address, callsign, mode_a, mode_c_ft, position_accuracy_m, mmsi, ship_name, ship_type, track_number, on_ground, report_kind";
     assert_eq!(
         fault("json", missing),
         at(

@@ -16,6 +16,7 @@ mod outputs;
 pub mod packed_columns;
 mod poses;
 mod round_trip;
+mod scans_from_times;
 mod volumes;
 
 use trackloom_domain::formats::{MAX_FAULTS, ReadOptions, ReadOutcome, format_named};

@@ -13,10 +13,22 @@ use trackloom_domain::model::sensor::SensorSettings;
 use trackloom_domain::model::space::{Place, Space};
 use trackloom_domain::model::state::upper_triangle;
 use trackloom_domain::model::state::{Covariance, Position, State};
+use trackloom_domain::model::time::TimeBase;
 use trackloom_domain::model::track::{Candidate, Kinematics, Track, TrackPoint, TrackStatus};
 use trackloom_domain::model::truth::{Target, TruthPoint};
 
 fn check(dataset: &Dataset) {
+    check_as_it_is(dataset);
+    if dataset.summary().end_s.is_some() {
+        for base in [TimeBase::Utc, TimeBase::AssumedDate] {
+            let mut dataset = dataset.clone();
+            dataset.set_time_base(base);
+            check_as_it_is(&dataset);
+        }
+    }
+}
+
+fn check_as_it_is(dataset: &Dataset) {
     let (mut csv, mut json) = (Vec::new(), Vec::new());
     write_csv(dataset, &mut csv).expect("a Vec takes any bytes");
     write_json(dataset, &mut json).expect("a Vec takes any bytes");

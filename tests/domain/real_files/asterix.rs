@@ -74,6 +74,23 @@ fn plots_of_seven_radars() {
     assert!((frame.longitude_deg() - 16.406_062_413_26).abs() < 1e-5);
 }
 
+/// The radars' own tracks: each record has one fate, and radars that nobody places are named.
+#[test]
+fn plots_as_tracks() {
+    let said = [("kind", Value::from("tracks"))];
+    let Some(read) = read("asterix-samples/cat_034_048.pcap", &said) else {
+        return;
+    };
+    assert_eq!(read.units.total, 162);
+    let unknown = ignored(&read.units, "unknown site");
+    assert!(unknown > 0 && read.units.used > 0, "{:?}", read.units);
+    let told = read.warnings.join("\n");
+    assert!(
+        told.contains("`sites`") && told.contains("25/201"),
+        "{told}"
+    );
+}
+
 #[test]
 fn one_plot_without_a_day() {
     let Some(read) = read("asterix-samples/cat048.raw", &[]) else {

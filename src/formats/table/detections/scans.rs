@@ -1,6 +1,7 @@
 //! Rows brought into scans.
 
 use super::columns::Columns;
+use super::turns::{passes_of_north, rate_radps};
 use super::{Builder, Found};
 use crate::formats::Reading;
 use crate::formats::disorder::Disorder;
@@ -114,8 +115,8 @@ fn time_of(found: &[Found], rows: &[usize]) -> f64 {
     mean_time_s(&times_s)
 }
 
-/// Scans of a file that does not number them: a sensor's rows of one time; of a radar that turns, its turns; of reports that come
-/// one by one, frames of the period that was asked for.
+/// Scans of a file that does not number them: a sensor's rows of one time; of a sensor whose times and bearings show that it turns, its
+/// turns; of reports that come one by one, frames of the period that was asked for.
 fn timed(
     builder: &Builder,
     order: &mut [usize],
@@ -151,16 +152,18 @@ fn timed(
 
 /// Where each scan of a sensor's rows begins, and the end.
 fn starts_of_scans(found: &[Found], rows: &[usize], frame_s: Option<f64>) -> Vec<usize> {
-    let is_turning = frame_s.is_none() && turns(found, rows);
+    let seen: Vec<(f64, f64)> = rows
+        .iter()
+        .map(|&row| (found[row].time_s, bearing_of(&found[row])))
+        .collect();
+    let rate_radps = frame_s.is_none().then(|| rate_radps(&seen)).flatten();
     let mut starts = vec![0];
-    for (index, pair) in rows.windows(2).enumerate() {
-        let (before, after) = (&found[pair[0]], &found[pair[1]]);
-        let is_new = match (frame_s, is_turning) {
-            (Some(frame_s), _) => {
-                (before.time_s / frame_s).floor() != (after.time_s / frame_s).floor()
-            }
-            (None, true) => bearing_of(before) - bearing_of(after) > std::f64::consts::PI,
-            (None, false) => before.time_s != after.time_s,
+    for (index, pair) in seen.windows(2).enumerate() {
+        let (before_s, after_s) = (pair[0].0, pair[1].0);
+        let is_new = match (frame_s, rate_radps) {
+            (Some(frame_s), _) => (before_s / frame_s).floor() != (after_s / frame_s).floor(),
+            (None, Some(rate_radps)) => passes_of_north(pair[0], pair[1], rate_radps) > 0.0,
+            (None, None) => before_s != after_s,
         };
         if is_new {
             starts.push(index + 1);
@@ -170,19 +173,7 @@ fn starts_of_scans(found: &[Found], rows: &[usize], frame_s: Option<f64>) -> Vec
     starts
 }
 
-/// Whether a sensor's bearings rise with its times, so that it turns: nearly all steps are small and forward.
-fn turns(found: &[Found], rows: &[usize]) -> bool {
-    let mut forward = 0;
-    for pair in rows.windows(2) {
-        let (before, after) = (&found[pair[0]], &found[pair[1]]);
-        let step = bearing_of(after) - bearing_of(before);
-        forward += usize::from(
-            after.time_s > before.time_s && !(-std::f64::consts::PI..0.0).contains(&step),
-        );
-    }
-    rows.len() > 2 && forward * 10 >= (rows.len() - 1) * 9
-}
-
+/// The bearing of what was seen (rad); not a number of a position, and of a row that saw nothing.
 fn bearing_of(found: &Found) -> f64 {
     match found
         .detection

@@ -32,7 +32,17 @@ pub struct Schema {
 }
 
 /// Columns that every kind may have.
-pub const EVERYWHERE: &[&str] = &["lat_deg", "lon_deg", "height_m", "speed_mps", "course_deg"];
+pub const EVERYWHERE: &[&str] = &[
+    "lat_deg",
+    "lon_deg",
+    "height_m",
+    "speed_mps",
+    "course_deg",
+    TIME_BASE,
+];
+
+/// What times are counted from.
+pub const TIME_BASE: &str = "time_base";
 
 pub const DETECTIONS: Schema = Schema {
     required: &["time_s"],

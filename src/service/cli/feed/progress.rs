@@ -88,7 +88,8 @@ impl Progress {
             line.push_str(&format!(", acknowledged to {}", clock_text(time_s)));
         }
         if let Some(lag_s) = self.lag_s {
-            line.push_str(&format!(", {lag_s:.1} s behind"));
+            let side = if lag_s < 0.0 { "ahead" } else { "behind" };
+            line.push_str(&format!(", {:.1} s {side}", lag_s.abs()));
         }
         let several = [
             (self.duplicates, "there before"),
