@@ -167,8 +167,10 @@ impl Judged<'_> {
         let names: Vec<&str> = self.subjects.iter().map(|subject| subject.name).collect();
         let (mut files, pairs) = metric_files::files(&names, self.sequences, self.of_each);
         files.push(causes::file(&names, self.sequences, self.episodes));
-        if let Some(text) = text::metrics(&Value::Object(parts.clone())) {
-            let bytes = (text + "\n").into_bytes();
+        let result = Value::Object(parts.clone());
+        if let Some(table) = text::metrics(&result) {
+            let head = text::judged(&result).map_or_else(String::new, |head| head + "\n\n");
+            let bytes = format!("{head}{table}\n").into_bytes();
             files.push(Artifact::file(
                 "metrics.txt",
                 "text/plain; charset=utf-8",

@@ -5,6 +5,7 @@ use crate::geodesy::Stereographic;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
+use crate::model::space::Space;
 use crate::model::state::Position;
 use crate::model::truth::TruthSet;
 use crate::registry::{
@@ -205,6 +206,7 @@ impl WithinSpec {
     /// Latitudes where the plane has no origin, names that no target has, and sensors without a coverage.
     pub fn scope(&self, truth: &TruthSet, recording: Option<Seen>) -> Result<Scope, Vec<Fault>> {
         let mut faults = self.unknown_targets(truth);
+        faults.extend(self.heights_of_nothing(truth));
         let areas = AreaSpec::in_plane(
             &self.areas,
             (truth, recording),
@@ -224,6 +226,27 @@ impl WithinSpec {
             areas,
             height_m: (self.height_min_m, self.height_max_m),
         })
+    }
+
+    /// In the plane nothing would be left out, as nothing has a height there.
+    fn heights_of_nothing(&self, truth: &TruthSet) -> Vec<Fault> {
+        if truth.space() == Space::Volume {
+            return Vec::new();
+        }
+        let mut faults = Vec::new();
+        for (name, height_m) in [
+            ("height_min_m", self.height_min_m),
+            ("height_max_m", self.height_max_m),
+        ] {
+            if height_m.is_some() {
+                let detail = "the truth has no z_m, so that no point has a height to be judged by";
+                let fault = Fault::new(format!("/comparison/within/{name}"), "unsupported", detail);
+                faults.push(
+                    fault.allowing("a truth with z_m; sectors of requirements read height_m"),
+                );
+            }
+        }
+        faults
     }
 
     fn unknown_targets(&self, truth: &TruthSet) -> Vec<Fault> {

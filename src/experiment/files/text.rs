@@ -71,6 +71,77 @@ fn decimal(number: f64) -> String {
     }
 }
 
+/// What was judged, in a sentence a line: at which steps, how points were put side by side, what was left out. `None` of a
+/// result that judges nothing.
+pub fn judged(result: &Value) -> Option<String> {
+    let head = result.get("comparison").filter(|head| head.is_object())?;
+    let period = match head["period_s"].as_f64() {
+        Some(period_s) => format!(", one in {} s", decimal(period_s)),
+        None => String::new(),
+    };
+    let unit = cell(&head["gate_unit"]);
+    let gate = match head["gate"].as_f64() {
+        Some(gate) => format!("{gate} {unit}").trim_end().to_owned(),
+        None => "none".to_owned(),
+    };
+    let mut lines = vec![
+        format!(
+            "judged at {} steps ({}{period}), {} of them with truth",
+            cell(&head["step_count"]),
+            cell(&head["steps"]),
+            cell(&head["due_steps"])
+        ),
+        format!(
+            "gate {gate}, alignment {}, credit {}",
+            cell(&head["alignment"]),
+            cell(&head["credit"])
+        ),
+    ];
+    let mut left_out = Vec::new();
+    for (name, words) in LEFT_OUT {
+        let count = head[name].as_u64().unwrap_or(0);
+        if count > 0 {
+            left_out.push(format!("{count} {words}"));
+        }
+    }
+    if !left_out.is_empty() {
+        lines.push(format!("left out: {}", left_out.join(", ")));
+    }
+    Some(lines.join("\n"))
+}
+
+/// What the head of a comparison counts, in words.
+const LEFT_OUT: [(&str, &str); 4] = [
+    ("points_between_steps", "points between steps"),
+    (
+        "points_not_known_then",
+        "points of tracks before they were known",
+    ),
+    (
+        "truth_points_left_out",
+        "points of the truth outside what is judged",
+    ),
+    (
+        "track_points_left_out",
+        "points of tracks outside what is judged",
+    ),
+];
+
+/// The shares of the automaton without forgiven errors: of what, how many, the value.
+pub fn shares(result: &Value) -> Vec<(String, &Value)> {
+    let shares = result.pointer("/tfa/shares").and_then(Value::as_array);
+    let strict = shares
+        .into_iter()
+        .flatten()
+        .filter(|share| share["forgiven"] == 0);
+    let row = |share: &'_ Value| {
+        let of = cell(&share["of"]).replace('_', " ");
+        let (part, whole) = (cell(&share["numerator"]), cell(&share["denominator"]));
+        format!("tfa {}, {part} of {whole} {of}", cell(&share["name"]))
+    };
+    strict.map(|share| (row(share), &share["value"])).collect()
+}
+
 /// The metrics of a result: each quantity with its value and unit; with several sequences, a column for each and one for
 /// all together. `None` when the result has no metrics.
 pub fn metrics(result: &Value) -> Option<String> {
@@ -262,6 +333,40 @@ fn with_interval(summary: &Value) -> String {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn the_head_says_what_was_judged() {
+        let mut result = json!({
+            "comparison": {
+                "steps": "the scans of the recording", "period_s": 8.0, "step_count": 30, "due_steps": 28, "gate": 1000.0, "gate_unit": "m",
+                "alignment": "interpolate", "credit": "at_the_time", "points_between_steps": 0, "points_not_known_then": 14,
+                "truth_points_left_out": 3, "track_points_left_out": 0
+            },
+            "tfa": {"shares": [
+                {"name": "correct", "forgiven": 0, "of": "output_tracks", "numerator": 6, "denominator": 8, "value": 0.75},
+                {"name": "correct", "forgiven": 1, "of": "output_tracks", "numerator": 8, "denominator": 8, "value": 1.0}
+            ]}
+        });
+        assert_eq!(
+            judged(&result).unwrap_or_default(),
+            "judged at 30 steps (the scans of the recording, one in 8 s), 28 of them with truth\n\
+             gate 1000 m, alignment interpolate, credit at_the_time\n\
+             left out: 14 points of tracks before they were known, 3 points of the truth outside what is judged"
+        );
+        assert_eq!(
+            shares(&result),
+            [("tfa correct, 6 of 8 output tracks".to_owned(), &json!(0.75))]
+        );
+        result["comparison"] = json!({
+            "steps": "frames", "period_s": null, "step_count": 2, "due_steps": 2, "gate": 0.5, "gate_unit": "", "alignment": "nearest",
+            "credit": "afterwards"
+        });
+        assert_eq!(
+            judged(&result).unwrap_or_default(),
+            "judged at 2 steps (frames), 2 of them with truth\ngate 0.5, alignment nearest, credit afterwards"
+        );
+        assert_eq!(judged(&json!({"counts": {}})), None);
+    }
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {

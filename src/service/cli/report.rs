@@ -1,5 +1,6 @@
 //! `trackloom report`: what a run left, as one page.
 
+use super::out;
 use super::run::{Trouble, end};
 use crate::formats::{ReadOptions, format_named};
 use crate::model::dataset::Dataset;
@@ -43,8 +44,11 @@ fn finish(arguments: &ReportArguments) -> Result<(), Trouble> {
     if report["kind"].as_str().is_none() {
         return Err(damaged("it is no report of a job".to_owned()).into());
     }
-    let layers = read_layers(&folder, &report["spec"])?;
+    let listed = out::listed(&folder);
+    let is_of_run = |name: &str| listed.as_ref().is_none_or(|listed| listed.contains(name));
+    let layers = read_layers(&folder, &report["spec"], is_of_run)?;
     let causes = std::fs::read(folder.join("causes.csv")).ok();
+    let causes = causes.filter(|_| is_of_run("causes.csv"));
     let name = name_of(&report, &folder);
     let source = Source {
         name: &name,
@@ -77,13 +81,18 @@ fn name_of(report: &Value, folder: &Path) -> String {
 }
 
 /// The files of a run that its pictures are made of.
-fn read_layers(folder: &Path, spec: &Value) -> Result<JobLayers, Trouble> {
+fn read_layers(
+    folder: &Path,
+    spec: &Value,
+    is_of_run: impl Fn(&str) -> bool,
+) -> Result<JobLayers, Trouble> {
     let mut layers = JobLayers {
         sensors: sensors_of(spec),
         spec: spec.clone(),
         ..JobLayers::default()
     };
-    for name in ["detections.csv", "truth.csv", "tracks.csv"] {
+    let names = ["detections.csv", "truth.csv", "tracks.csv"];
+    for name in names.into_iter().filter(|name| is_of_run(name)) {
         match read_dataset(&folder.join(name))? {
             Some(Dataset::Detections(recording)) => layers.detections = Some(recording),
             Some(Dataset::Truth(truth)) => layers.truth = Some(truth),

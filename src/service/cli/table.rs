@@ -1,6 +1,8 @@
 //! The report of a job for the terminal.
 
-use crate::experiment::text::{campaign, cell, correlation, metrics, requirements, table};
+use crate::experiment::text::{
+    campaign, cell, correlation, judged, metrics, requirements, shares, table,
+};
 use serde_json::Value;
 
 /// The lines of a report that people read first.
@@ -25,7 +27,6 @@ pub(super) fn summary(report: &Value) -> String {
         ("/truth", "truth"),
         ("/association/counts", "association"),
         ("/tfa/counts", "tfa"),
-        ("/tfa/probability", "tfa probability"),
         ("/events/counts", "event"),
     ] {
         for (key, value) in result
@@ -37,12 +38,19 @@ pub(super) fn summary(report: &Value) -> String {
             add(format!("{name} {}", key.replace('_', " ")), "", value);
         }
     }
+    for (name, value) in shares(result) {
+        add(name, "", value);
+    }
     for (key, value) in report["timing"].as_object().into_iter().flatten() {
         // A step that the job does not have took no time.
         if value.as_f64() != Some(0.0) {
             add(format!("time {}", key.trim_end_matches("_s")), "s", value);
         }
     }
+    let head = match judged(result) {
+        Some(judged) => format!("{head}\n{judged}"),
+        None => head,
+    };
     let mut text = format!(
         "{head}
 

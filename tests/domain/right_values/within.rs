@@ -153,6 +153,12 @@ fn bounds_that_make_no_sense_are_told_together() {
         at("/areas/0", "missing"),
     ];
     assert_eq!(pointers(judged(backwards, json!({}))), expected);
+    let heights = judged(json!({"height_min_m": 5.0, "height_max_m": 9.0}), json!({}));
+    let in_the_plane = [
+        at("/height_min_m", "unsupported"),
+        at("/height_max_m", "unsupported"),
+    ];
+    assert_eq!(pointers(heights), in_the_plane);
     let unknown = judged(json!({"targets": ["A", "C"]}), json!({}));
     assert_eq!(pointers(unknown), [at("/targets/1", "unknown_value")]);
     let corners = json!([{"lat_deg": 0, "lon_deg": 0}, {"lat_deg": 1, "lon_deg": 0}, {"lat_deg": 0, "lon_deg": 1}]);
