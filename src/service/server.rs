@@ -8,6 +8,7 @@ use super::monitoring;
 use super::openapi;
 use anyhow::Context;
 use axum::Router;
+use std::io::Write;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -49,7 +50,10 @@ pub async fn serve_jobs(
     };
     // Heard from before anybody is told that the service is there.
     let signals = StopSignals::listen();
-    println!("trackloom listening on http://{}", server.address());
+    announce(format_args!(
+        "trackloom listening on http://{}",
+        server.address()
+    ));
     started(server.address());
     signals.told_to_stop().await;
     tracing::info!("stopping");
@@ -65,7 +69,7 @@ pub async fn work(config: Config) -> anyhow::Result<()> {
     let slots = config.slots;
     let jobs = Jobs::open(config).await?;
     let signals = StopSignals::listen();
-    println!("trackloom worker with {slots} slots");
+    announce(format_args!("trackloom worker with {slots} slots"));
     signals.told_to_stop().await;
     tracing::info!("stopping");
     if timeout(WORKERS, jobs.shutdown()).await.is_err() {
@@ -162,6 +166,13 @@ pub fn state(config: &Config, jobs: Arc<Jobs>) -> anyhow::Result<AppState> {
         }),
         streams: Streams::new(&config.connections),
     })
+}
+
+/// Who started the process may have stopped listening to it.
+fn announce(text: std::fmt::Arguments) {
+    if let Err(error) = writeln!(std::io::stdout().lock(), "{text}") {
+        tracing::warn!(%error, "{text}");
+    }
 }
 
 /// SIGTERM and SIGINT. Without signals the process can only be killed, which the storage survives.

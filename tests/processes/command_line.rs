@@ -336,3 +336,41 @@ fn limits_that_nothing_can_meet_are_refused_and_results_that_are_none_too() {
     assert_eq!(none.status.code(), Some(2));
     assert!(stderr(&none).contains("report.json"), "{}", stderr(&none));
 }
+
+/// `| head` closes the pipe early: that is no failure, and nothing panics.
+#[test]
+fn who_stops_reading_is_no_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    let result = folder.path().join("result");
+    let result = result.to_str().unwrap();
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/two-targets/");
+    let job = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/judge-tracks.json");
+    assert!(run(&["run", job, "--out", result]).status.success());
+    for arguments in [
+        vec!["methods"],
+        vec!["presets", "--json"],
+        vec!["openapi"],
+        vec!["inspect", &format!("{data}tracks.csv")],
+        vec!["run", job],
+        vec!["compare", result, result],
+        vec!["compare", result, result, "--format", "json"],
+        vec![
+            "demo",
+            "--once",
+            "--listen",
+            "127.0.0.1:0",
+            "--data",
+            result,
+        ],
+    ] {
+        let mut command = trackloom();
+        command.args(&arguments);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let told = stderr(&output);
+        assert!(!told.contains("panicked"), "{arguments:?}: {told}");
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {told}");
+    }
+}

@@ -1,6 +1,7 @@
 //! `trackloom methods`, `presets` and `openapi`: what can be asked for, printed.
 
 use super::BAD_INPUT;
+use super::output;
 use crate::experiment::job_shape::with_kind;
 use crate::experiment::presets::ALIASES;
 use crate::experiment::{catalogue, presets};
@@ -8,7 +9,6 @@ use crate::registry::{Field, Presence, Variant};
 use crate::service::openapi;
 use clap::Args;
 use serde_json::{Value, json};
-use std::io::Write;
 use std::process::ExitCode;
 
 #[derive(Args)]
@@ -192,16 +192,8 @@ fn pretty(value: &Value) -> String {
     format!("{value:#}")
 }
 
-/// Prints for people. A reader that closes the pipe early is no failure.
-pub(super) fn print(text: &str) -> anyhow::Result<()> {
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
-    }
-}
-
 fn printed(text: &str) -> ExitCode {
-    match print(text) {
+    match output::print(text) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("trackloom: {error:#}");

@@ -2,6 +2,7 @@
 
 use super::build_server::{Verdict, VerdictFiles, failures, number};
 use super::out;
+use super::output;
 use super::run::{Format, Trouble, end};
 use crate::model::fault::Fault;
 use crate::service::types::{
@@ -59,9 +60,11 @@ fn finish(arguments: &CompareArguments) -> Result<(), Trouble> {
     match arguments.format {
         Format::Json => {
             let text = serde_json::to_string_pretty(&comparison).context("cannot write JSON")?;
-            println!("{text}");
+            output::print(text).context("cannot write the comparison")?;
         }
-        Format::Text => print(&comparison),
+        Format::Text => {
+            output::print(text_of(&comparison)).context("cannot write the comparison")?;
+        }
     }
     let mut verdicts = verdicts(&comparison);
     for metric in compare::lost_metrics(&sides[0], &sides[1]) {
@@ -215,14 +218,15 @@ fn told(found: &PairedDifference, verdict: DifferenceVerdict) -> String {
     )
 }
 
-fn print(comparison: &Comparison) {
+fn text_of(comparison: &Comparison) -> String {
+    let mut told: Vec<String> = Vec::new();
     for note in &comparison.notes {
-        println!("note: {note}");
+        told.push(format!("note: {note}"));
     }
-    println!(
+    told.push(format!(
         "{:<58} {:>14} {:>14}  better",
         "number", "baseline", "other"
-    );
+    ));
     for compared in &comparison.numbers {
         let [Some(baseline), Some(other)] = compared.values[..] else {
             continue;
@@ -236,7 +240,10 @@ fn print(comparison: &Comparison) {
             "baseline"
         };
         let (baseline, other) = (number(baseline), number(other));
-        println!("{:<58} {baseline:>14} {other:>14}  {side}", compared.path);
+        told.push(format!(
+            "{:<58} {baseline:>14} {other:>14}  {side}",
+            compared.path
+        ));
     }
     let verdicts = verdicts(comparison);
     let apart = verdicts
@@ -245,12 +252,11 @@ fn print(comparison: &Comparison) {
     let lines: Vec<String> = apart
         .map(|verdict| format!("{}: {}", verdict.name, verdict.detail))
         .collect();
-    println!(
+    told.push(format!(
         "\n{} of {} paired numbers differ significantly",
         lines.len(),
         verdicts.len()
-    );
-    for line in lines {
-        println!("  {line}");
-    }
+    ));
+    told.extend(lines.iter().map(|line| format!("  {line}")));
+    told.join("\n")
 }

@@ -2,6 +2,7 @@
 //! the dashboard with them, and a live session beside them.
 
 use super::demo_live;
+use super::output;
 use crate::experiment::presets;
 use crate::experiment::text::{cell, table};
 use crate::service::config::Config;
@@ -63,17 +64,22 @@ pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
     }
     if once {
         jobs.shutdown().await;
-        println!("\n{OWN_FILES}\n`trackloom serve` shows these jobs in the dashboard.");
+        output::print(format_args!(
+            "\n{OWN_FILES}\n`trackloom serve` shows these jobs in the dashboard."
+        ))?;
         return Ok(());
     }
-    println!("\n{OWN_FILES}\nThe dashboard shows these jobs; end with Ctrl-C.");
+    output::print(format_args!(
+        "\n{OWN_FILES}\nThe dashboard shows these jobs; end with Ctrl-C."
+    ))?;
     let feed = demo_live::begin(&jobs, &serde_json::from_str(RADAR_JOB)?, RADAR_DETECTIONS).await?;
     let session = feed.session;
     let playing = tokio::spawn(feed.play(jobs.clone()));
     let served = server::serve_jobs(config, jobs, |address| {
-        println!(
+        // Nobody need read it: the page lists the session.
+        let _ = output::print(format_args!(
             "the recording as a live session: http://{address}/?view=session&session={session}"
-        );
+        ));
     });
     let outcome = served.await;
     playing.abort();
@@ -81,9 +87,9 @@ pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
 }
 
 async fn tour(jobs: &Jobs) -> anyhow::Result<()> {
-    println!(
+    output::print(format_args!(
         "trackloom tour: scenes and a recording, tracked and judged by the temporal automaton and by metrics\n"
-    );
+    ))?;
     let preset = presets::find("liang2009-100").context("the preset of the tour is missing")?;
     let mut submitted = Vec::new();
     for (method, name) in [("nearest_neighbour", "nearest neighbour"), ("jpda", "JPDA")] {
@@ -123,7 +129,7 @@ async fn tour(jobs: &Jobs) -> anyhow::Result<()> {
         "mean GOSPA (m)",
         "seconds",
     ];
-    println!("{}\n\n{LEGEND}", table(&header, &rows));
+    output::print(format_args!("{}\n\n{LEGEND}", table(&header, &rows)))?;
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! `trackloom inspect`: what a file holds, before any job.
 
+use super::output;
 use super::reading::{NOT_READ, ReadArguments, read_truth};
 use super::run::{Trouble, end};
 use crate::experiment::inspect::{Inspection, inspect, suspicions_beside_truth};
@@ -7,7 +8,6 @@ use crate::model::time::TimeBase;
 use anyhow::Context;
 use clap::Args;
 use jiff::Timestamp;
-use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -43,12 +43,8 @@ fn finish(arguments: &InspectArguments) -> Result<(), Trouble> {
     say(&told(&found))
 }
 
-/// Who stops listening has heard enough.
 fn say(text: &str) -> Result<(), Trouble> {
-    match writeln!(std::io::stdout().lock(), "{text}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Trouble::Failed(error.into())),
-        _ => Ok(()),
-    }
+    output::print(text).map_err(|error| Trouble::Failed(error.into()))
 }
 
 fn told(found: &Inspection) -> String {

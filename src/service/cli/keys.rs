@@ -1,6 +1,7 @@
 //! `trackloom keys`: makes, lists and revokes the keys of a service that asks for them.
 
 use super::BAD_INPUT;
+use super::output;
 use crate::service::keys::Action;
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
@@ -130,23 +131,23 @@ async fn act(arguments: &KeysArguments, key: &str) -> anyhow::Result<()> {
         } => {
             let body = request(name, allow, *expires, *rate);
             let made: Made = serde_json::from_str(&ask(Method::POST, url, Some(body)).await?)?;
-            println!("{}", made.key);
+            output::print(made.key)?;
         }
         KeysCommand::List => {
             let listed: Listed = serde_json::from_str(&ask(Method::GET, url, None).await?)?;
             for item in listed.items {
                 let end = item.expires_at.unwrap_or_else(|| "never".to_owned());
-                println!(
+                output::print(format_args!(
                     "{}  {}  ends {end}  {}",
                     item.id,
                     item.actions.join(","),
                     item.name
-                );
+                ))?;
             }
         }
         KeysCommand::Revoke { id } => {
             ask(Method::DELETE, format!("{url}/{id}"), None).await?;
-            println!("{id} is revoked");
+            output::print(format_args!("{id} is revoked"))?;
         }
     }
     Ok(())

@@ -12,6 +12,7 @@ mod files;
 mod inspect;
 mod keys;
 mod out;
+mod output;
 mod reading;
 mod report;
 mod run;

@@ -2,7 +2,8 @@
 
 use super::build_server::{VerdictFiles, failures, verdicts_of};
 use super::files::JobFile;
-use super::{BAD_INPUT, catalogue, out, table};
+use super::output;
+use super::{BAD_INPUT, out, table};
 use crate::experiment::job_shape::with_kind;
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::{self, JobKind, Known, LimitsReport, Outcome, Plan, RunError, presets};
@@ -361,5 +362,5 @@ fn print(report: &[u8], format: Format) -> anyhow::Result<()> {
         Format::Json => String::from_utf8(report.to_vec())?,
         Format::Text => table::summary(&serde_json::from_slice(report)?),
     };
-    catalogue::print(&text)
+    Ok(output::print(&text)?)
 }

@@ -19,6 +19,7 @@ use super::run::{Trouble, end};
 use crate::formats::{Format, ReadOptions};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
+use crate::service::cli::output;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use client::{Client, SessionSeen};
@@ -213,7 +214,7 @@ async fn session(arguments: &FeedArguments, client: &Client) -> Result<SessionSe
     let body = serde_json::from_str(&text)
         .map_err(|error| anyhow!("{} is no JSON: {error}", path.display()))?;
     let made = client.create(&body).await?;
-    println!("{}", made.id);
+    output::print(&made.id).context("cannot tell the session")?;
     Ok(made)
 }
 
