@@ -6,6 +6,8 @@ Convention of the pages:
 - `trackloom run …` in backticks within a paragraph is a command, too.
 - A `json` block with a `kind` is a job file. Others are parts of one: PARTS says of what.
 - `…` stands for the id that the answers before have: of the last dataset after `"dataset_id": "`, else of the last job.
+- What a `text` block shows is what the command before it prints, line by line.
+- A job file is called as the page calls it last before the block, `job.json` where it does not.
 - Files that a page names are made beforehand (see run.py); `127.0.0.1:8080` is the service under test.
 """
 
@@ -20,16 +22,21 @@ def blocks(text):
     return [(match[1].strip(), match[2]) for match in re.finditer(r"^```([^\n]*)\n(.*?)^```$", text, re.M | re.S)]
 
 
-def commands(text):
-    """Every command of a page, in order."""
+def items(text):
+    """What a page has, in order: ("command", it), ("output", it) or ("json", it, the name of its file)."""
     found = []
-    for language, content in blocks(text):
+    for block in re.finditer(r"^```([^\n]*)\n(.*?)^```$", text, re.M | re.S):
+        language, content = block[1].strip(), block[2]
         first = next((line for line in content.splitlines() if line.strip() and not line.startswith("#")), "")
         if language == "sh" or (language == "" and first.startswith(PROGRAMS)):
-            found += commands_of_block(content, is_described=language == "")
+            found += [("command", command) for command in commands_of_block(content, is_described=language == "")]
+        elif language == "text":
+            found.append(("output", content))
+        elif language == "json":
+            names = re.findall(r"`([\w-]+\.json)`", text[:block.start()].rsplit("\n\n", 2)[-2])
+            found.append(("json", content.strip(), names[-1] if names else "job.json"))
     prose = re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S)
-    found += [inline for inline in re.findall(r"`(trackloom run [^`]+)`", prose)]
-    return found
+    return found + [("command", inline) for inline in re.findall(r"`(trackloom run [^`]+)`", prose)]
 
 
 def commands_of_block(content, is_described):
@@ -45,10 +52,6 @@ def commands_of_block(content, is_described):
             found.append(open_command.strip())
             open_command = ""
     return found
-
-
-def json_blocks(text):
-    return [content.strip() for language, content in blocks(text) if language == "json"]
 
 
 def examples(document):

@@ -91,6 +91,7 @@ class Session:
         (bin_folder / "trackloom").symlink_to(Path(program).resolve())
         self.path = f"{bin_folder}:/usr/local/bin:/usr/bin:/bin"
         self.dataset = self.job = None
+        self.said = ""
         self.ids = {}
         self.make_files()
 
@@ -160,15 +161,20 @@ class Session:
             return
         if "trackloom keys " in text:
             return self.keys(text)
-        if " | " in text and text.startswith("trackloom "):
+        if " | " in text and "'" not in text and text.startswith("trackloom "):
             first, *others = text.split(" | ")
             for command in [first] + [f"trackloom {other}" for other in others]:
                 self.run(command)
             return
-        output = self.run(text)
+        self.said = output = self.run(text)
         if text.startswith("curl"):
             self.look_at(json.loads(output))
         return output
+
+    def printed(self, text):
+        """The command before has printed these lines."""
+        missing = [line for line in text.splitlines() if line.strip() and line not in self.said]
+        check(not missing, f"not printed: {missing}")
 
     def keys(self, text):
         """A command on keys, for a service that asks for them: with the master key, as its owner has it."""
@@ -201,12 +207,12 @@ class Session:
         except Failure:
             return False
 
-    def job_file(self, text):
+    def job_file(self, text, name):
         job = json.loads(text)
         if job["kind"] == "campaign":
             job["runs"] = 10
-        (self.folder / "job.json").write_text(json.dumps(job))
-        report = json.loads(self.run("trackloom run job.json --format json"))
+        (self.folder / name).write_text(json.dumps(job))
+        report = json.loads(self.run(f"trackloom run {name} --format json"))
         if job["kind"] == "campaign":
             look_at_cells(report)
 
@@ -306,6 +312,34 @@ def tried(name, failures, do):
         print(f"FAILED   {name}\n         {type(failure).__name__}: {failure}")
 
 
+def try_command(session, page, command, failures, done):
+    name = f"{page.name}: {command.splitlines()[0]}"
+    reason = next((reason for start, reason in SKIPPED.items() if command.startswith(start)), None)
+    if reason:
+        print(f"skipped  {name}  ({reason})")
+    elif command.startswith("curl") or command not in done:
+        done.add(command)
+        tried(name, failures, lambda: session.command(command))
+
+
+def try_block(session, page, block, failures):
+    text, file_name = block
+    name = f"{page.name}: {text.splitlines()[0][:80]}"
+    part = next((part for start, part in PARTS.items() if text.startswith(start)), None)
+    if isinstance(part, str):
+        print(f"skipped  {name}  ({part})")
+    elif text.startswith(LIVE_SESSION):
+        tried(name, failures, lambda: session.begin(json.loads(text)))
+    elif text.startswith(PUSHED_SCANS):
+        tried(name, failures, lambda: session.push(json.loads(text)))
+    elif text.startswith(HAND_TRACK):
+        tried(name, failures, lambda: session.begin_track(json.loads(text)))
+    elif part:
+        tried(name, failures, lambda: session.part(text, part))
+    else:
+        tried(name, failures, lambda: session.job_file(text, file_name))
+
+
 def main(program, address, openapi, *names):
     session, failures, done = Session(program, address), [], set()
     for page in map(Path, names):
@@ -313,28 +347,13 @@ def main(program, address, openapi, *names):
         if page.name in ELSEWHERE:
             print(f"skipped  {page.name}  ({ELSEWHERE[page.name]})")
             continue
-        for command in pages.commands(text):
-            reason = next((reason for start, reason in SKIPPED.items() if command.startswith(start)), None)
-            if reason:
-                print(f"skipped  {page.name}: {command.splitlines()[0]}  ({reason})")
-            elif command.startswith("curl") or command not in done:
-                done.add(command)
-                tried(f"{page.name}: {command.splitlines()[0]}", failures, lambda: session.command(command))
-        for block in pages.json_blocks(text):
-            name = f"{page.name}: {block.splitlines()[0][:80]}"
-            part = next((part for start, part in PARTS.items() if block.startswith(start)), None)
-            if isinstance(part, str):
-                print(f"skipped  {name}  ({part})")
-            elif block.startswith(LIVE_SESSION):
-                tried(name, failures, lambda: session.begin(json.loads(block)))
-            elif block.startswith(PUSHED_SCANS):
-                tried(name, failures, lambda: session.push(json.loads(block)))
-            elif block.startswith(HAND_TRACK):
-                tried(name, failures, lambda: session.begin_track(json.loads(block)))
-            elif part:
-                tried(name, failures, lambda: session.part(block, part))
+        for item in pages.items(text):
+            if item[0] == "command":
+                try_command(session, page, item[1], failures, done)
+            elif item[0] == "output":
+                tried(f"{page.name}: what it prints", failures, lambda: session.printed(item[1]))
             else:
-                tried(name, failures, lambda: session.job_file(block))
+                try_block(session, page, item[1:], failures)
         if page.name == "README.md":
             tried("README.md: the table of the tour", failures, lambda: tour_is_that_of(text, session))
     for path, name, body in pages.examples(json.loads(Path(openapi).read_text())):
