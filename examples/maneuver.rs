@@ -5,8 +5,13 @@
 #[path = "../benches/support/maneuver.rs"]
 mod maneuver;
 
-use maneuver::{Named, NamedAndSmoothed, PUBLISHED, filter_of, published, row, truth};
+use maneuver::{
+    Fixes, Named, NamedAndSmoothed, PUBLISHED, beliefs_of, filter_of, published, row, truth,
+    truth_of,
+};
 use serde_json::{Value, json};
+use std::ops::Range;
+use trackloom_domain::filtering::{Filter, WithFilter};
 
 fn main() {
     let runs = std::env::args().nth(1).and_then(|text| text.parse().ok());
@@ -32,6 +37,75 @@ fn main() {
             runs,
         }));
         line(&format!("{name}, smoothed"), &row(&smoothed), None);
+    }
+    agile(runs.min(300));
+}
+
+/// The parts of the agile target's course, without its first second.
+const AGILE: [Range<usize>; 3] = [10..332, 332..666, 666..1001];
+
+/// Root mean squares (m) of the errors of place of the agile target: straight, in the turn, while it accelerates.
+fn agile(runs: u32) {
+    let truth = truth_of("maneuver-10hz");
+    println!("\n| filter | straight | turn 10°/s | acceleration 3 m/s² |");
+    println!("|---|---|---|---|");
+    let straight = |q: f64| json!({"model": "constant_velocity", "process_noise_m2ps3": q});
+    let alone = |q: f64| json!({"method": "kalman", "process_noise_m2ps3": q});
+    let turn =
+        json!({"model": "coordinated_turn", "turn_rate_degps": 10.0, "process_noise_m2ps3": 0.1});
+    let imm = |models: Value| json!({"method": "imm", "models": models});
+    for (name, filter) in [
+        ("kalman, q = 0.1", alone(0.1)),
+        ("kalman, q = 122.5", alone(122.5)),
+        (
+            "maneuver-10hz: imm of both",
+            imm(json!([straight(0.1), straight(122.5)])),
+        ),
+        (
+            "imm of q = 0.1 and a turn of 10°/s: told",
+            imm(json!([straight(0.1), turn])),
+        ),
+    ] {
+        let fixes = Fixes {
+            truth: &truth,
+            sigma_m: 1.0,
+            speed_sigma_mps: 200.0,
+        };
+        let [a, b, c] = filter_of(&filter).with(Agile { fixes, runs });
+        println!("| {name} | {a:.2} | {b:.2} | {c:.2} |");
+    }
+}
+
+struct Agile<'a> {
+    fixes: Fixes<'a>,
+    runs: u32,
+}
+
+impl WithFilter for Agile<'_> {
+    type Output = [f64; 3];
+
+    fn in_plane<F: Filter<4>>(self, filter: F) -> [f64; 3] {
+        let step = filter.step(0.1);
+        let mut squares = vec![0.0; self.fixes.truth.len()];
+        for run in 0..self.runs {
+            let beliefs = beliefs_of(&filter, &step, self.fixes, run);
+            for (fix, belief) in beliefs.iter().enumerate() {
+                let error = F::kinematics(belief).mean - self.fixes.truth[fix];
+                squares[fix] += error.fixed_rows::<2>(0).norm_squared();
+            }
+        }
+        AGILE.map(|part| {
+            let count = part.len() as f64 * f64::from(self.runs);
+            (squares[part].iter().sum::<f64>() / count).sqrt()
+        })
+    }
+
+    fn in_volume<F: Filter<6>>(self, _filter: F) -> [f64; 3] {
+        panic!("the scene is of the plane")
+    }
+
+    fn of_bearings<F: Filter<2>>(self, _filter: F) -> [f64; 3] {
+        panic!("the scene has places")
     }
 }
 

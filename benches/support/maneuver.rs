@@ -40,14 +40,24 @@ pub const PARTS: [(&str, Range<usize>); 5] = [
     ("straight 3", 75..100),
 ];
 
-const SENSOR: MeasurementModel = MeasurementModel::Position {
-    sigma_x_m: SIGMA_M,
-    sigma_y_m: SIGMA_M,
-};
+/// The target at each fix, and what is known of it at first.
+#[derive(Clone, Copy)]
+pub struct Fixes<'a> {
+    pub truth: &'a [State],
+    /// Of each axis.
+    pub sigma_m: f64,
+    /// Of each axis, at the first fix.
+    pub speed_sigma_mps: f64,
+}
 
-/// The target at each fix, as the preset has it.
+/// The airliner at each fix.
 pub fn truth() -> Vec<State> {
-    let preset = presets::find("atc-maneuver").expect("the preset is in the table");
+    truth_of("atc-maneuver")
+}
+
+/// The target at each fix, as a preset has it.
+pub fn truth_of(preset: &str) -> Vec<State> {
+    let preset = presets::find(preset).expect("the preset is in the table");
     let scenario = preset.body["input"]["scenario"].clone();
     let scenario: Scenario = serde_json::from_value(scenario).expect("it says all of a scenario");
     let seed = Seed { seed: 1, run: 0 };
@@ -151,8 +161,9 @@ impl Errors {
 
 /// A filter with what a period does to its beliefs, which may be another step than its own.
 pub fn errors_of<F: Filter<4>>(filter: &F, step: &F::Step, truth: &[State], runs: u32) -> Errors {
+    let fixes = of_airliner(truth);
     errors_in(truth, runs, |run| {
-        beliefs_of(filter, step, truth, run)
+        beliefs_of(filter, step, fixes, run)
             .iter()
             .map(F::kinematics)
             .collect()
@@ -166,8 +177,9 @@ pub fn smoothed_errors_of<F: Filter<4>>(
     truth: &[State],
     runs: u32,
 ) -> Errors {
+    let fixes = of_airliner(truth);
     errors_in(truth, runs, |run| {
-        let mut beliefs = beliefs_of(filter, step, truth, run);
+        let mut beliefs = beliefs_of(filter, step, fixes, run);
         for fix in (1..beliefs.len()).rev() {
             beliefs[fix - 1] = F::smooth(step, &beliefs[fix - 1], &beliefs[fix]);
         }
@@ -175,31 +187,43 @@ pub fn smoothed_errors_of<F: Filter<4>>(
     })
 }
 
+fn of_airliner(truth: &[State]) -> Fixes<'_> {
+    Fixes {
+        truth,
+        sigma_m: SIGMA_M,
+        speed_sigma_mps: SPEED_SIGMA_MPS,
+    }
+}
+
 /// What a filter believes at each fix of a run.
-fn beliefs_of<F: Filter<4>>(
+pub fn beliefs_of<F: Filter<4>>(
     filter: &F,
     step: &F::Step,
-    truth: &[State],
+    fixes: Fixes,
     run: u32,
 ) -> Vec<F::Belief> {
+    let sensor = MeasurementModel::Position {
+        sigma_x_m: fixes.sigma_m,
+        sigma_y_m: fixes.sigma_m,
+    };
     let mut draw = Seed { seed: 7, run }.stream(Purpose::Detection, 0, 0);
-    let mut beliefs: Vec<F::Belief> = Vec::with_capacity(truth.len());
-    for state in truth {
+    let mut beliefs: Vec<F::Belief> = Vec::with_capacity(fixes.truth.len());
+    for state in fixes.truth {
         let noise = Vector2::from_fn(|_, _| StandardNormal.sample(&mut draw));
-        let seen: Vector2<f64> = state.xy() + noise * SIGMA_M;
+        let seen: Vector2<f64> = state.xy() + noise * fixes.sigma_m;
         let report = Measurement::Position {
             x_m: seen[0],
             y_m: seen[1],
         };
         beliefs.push(match beliefs.last() {
             None => {
-                let start = locate(filter, &SENSOR, &report, SPEED_SIGMA_MPS);
+                let start = locate(filter, &sensor, &report, fixes.speed_sigma_mps);
                 filter.begin(&start.expect("a position says where the target is"))
             }
             Some(before) => {
                 let mut now = *before;
                 F::predict(step, &mut now);
-                update(filter, &SENSOR, &report, &mut now).expect("it stays definite");
+                update(filter, &sensor, &report, &mut now).expect("it stays definite");
                 now
             }
         });
