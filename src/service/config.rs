@@ -18,6 +18,8 @@ pub struct Config {
     pub master_key: Option<MasterKey>,
     /// Names besides `localhost` and the addresses themselves by which the service is asked.
     pub allowed_hosts: Vec<String>,
+    /// Sites whose pages may use the service, such as `https://radar.example.org`.
+    pub allowed_origins: Vec<String>,
     pub connections: ConnectionLimits,
     /// The largest upload that is accepted.
     pub max_upload_bytes: u64,
@@ -55,6 +57,7 @@ impl Config {
             public_url: None,
             master_key: None,
             allowed_hosts: Vec::new(),
+            allowed_origins: Vec::new(),
             connections: ConnectionLimits::default(),
             max_upload_bytes: 1 << 30,
             data_dir: data_dir.into(),

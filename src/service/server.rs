@@ -92,7 +92,7 @@ impl Server {
     pub async fn start(config: &Config, jobs: Arc<Jobs>) -> anyhow::Result<Server> {
         let application = http::wrap(
             http::application(state(config, jobs.clone())?),
-            Hosts::new(&config.allowed_hosts),
+            Hosts::new(&config.allowed_hosts, &config.allowed_origins),
         );
         Server::start_with(config, jobs, application).await
     }

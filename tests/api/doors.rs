@@ -174,6 +174,77 @@ async fn pages_of_other_sites_change_nothing() {
     }
 }
 
+/// A listed site may read and change, is told so before it sends, and gets no cookie; any other is refused as ever.
+#[tokio::test(flavor = "multi_thread")]
+async fn pages_of_listed_sites_use_the_service() {
+    let listed = "https://radar.example.org";
+    let api = Api::start_with(|config| config.allowed_origins = vec![listed.to_owned()]).await;
+    let ask = async |method: Method, path: &str, origin: &str, more: &[(&str, &str)]| {
+        let mut request = api.request(method, path).header("origin", origin);
+        for (name, value) in more {
+            request = request.header(*name, *value);
+        }
+        crate::helpers::send(request).await
+    };
+    let before = [
+        ("access-control-request-method", "POST"),
+        (
+            "access-control-request-headers",
+            "authorization,content-type",
+        ),
+    ];
+    let told = ask(Method::OPTIONS, "/v1/jobs/simulate", listed, &before).await;
+    assert_eq!(told.status, 204);
+    assert_eq!(told.header("access-control-allow-origin"), listed);
+    assert!(told.header("access-control-allow-methods").contains("POST"));
+    assert!(
+        told.header("access-control-allow-headers")
+            .contains("authorization")
+    );
+    assert_eq!(told.headers.get("access-control-allow-credentials"), None);
+    let body = long().to_string();
+    let post = |origin| {
+        let request = api.request(Method::POST, "/v1/jobs/simulate");
+        let request = request.header("origin", origin);
+        crate::helpers::send(
+            request
+                .header("content-type", "application/json")
+                .body(body.clone()),
+        )
+    };
+    let made = post(listed).await;
+    assert_eq!(made.status, 202);
+    assert_eq!(made.header("access-control-allow-origin"), listed);
+    assert!(
+        made.header("access-control-expose-headers")
+            .contains("location")
+    );
+    for origin in ["https://evil.example", "http://radar.example.org", "null"] {
+        let refused = post(origin).await;
+        assert_eq!(refused.problem()["code"], "cross_site", "{origin}");
+        let read = ask(Method::GET, "/v1/jobs", origin, &[]).await;
+        assert_eq!(
+            read.status, 200,
+            "{origin}: a browser keeps it from the page"
+        );
+        assert_eq!(read.headers.get("access-control-allow-origin"), None);
+        assert!(
+            read.headers
+                .get_all("vary")
+                .iter()
+                .any(|value| value == "origin")
+        );
+        let before = ask(Method::OPTIONS, "/v1/jobs/simulate", origin, &before).await;
+        assert_eq!(before.headers.get("access-control-allow-origin"), None);
+    }
+    let unlisted = Api::start().await;
+    let request = unlisted
+        .request(Method::GET, "/v1/jobs")
+        .header("origin", listed);
+    let answer = crate::helpers::send(request).await;
+    assert_eq!(answer.headers.get("access-control-allow-origin"), None);
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_form_of_another_site_uploads_nothing() {
     let api = Api::start().await;

@@ -113,7 +113,10 @@ impl Api {
         change(&mut config);
         let jobs = Jobs::open(config.clone()).await.unwrap();
         let application = extend(http::application(state(&config, jobs.clone()).unwrap()));
-        let application = http::wrap(application, Hosts::new(&config.allowed_hosts));
+        let application = http::wrap(
+            application,
+            Hosts::new(&config.allowed_hosts, &config.allowed_origins),
+        );
         let server = Server::start_with(&config, jobs.clone(), application)
             .await
             .unwrap();

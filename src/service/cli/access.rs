@@ -11,6 +11,10 @@ pub(super) struct AccessArguments {
     /// A name by which the service is asked, besides localhost and the addresses of the machine; repeat it for more
     #[arg(long = "allow-host", env = "TRACKLOOM_ALLOW_HOST", value_name = "NAME", value_delimiter = ',', value_parser = host_name)]
     allowed_hosts: Vec<String>,
+    /// A site whose pages may use the service from a browser, such as https://radar.example.org: it is told so by CORS, without cookies; repeat it
+    /// for more
+    #[arg(long = "allow-origin", env = "TRACKLOOM_ALLOW_ORIGIN", value_name = "ORIGIN", value_delimiter = ',', value_parser = origin)]
+    allowed_origins: Vec<String>,
     /// A file with the master key, 16 characters or more: with it every request needs a key, which `trackloom keys` makes. The variable
     /// TRACKLOOM_MASTER_KEY has the key itself
     #[arg(long, env = "TRACKLOOM_MASTER_KEY_FILE", value_name = "FILE")]
@@ -40,6 +44,24 @@ fn host_name(text: &str) -> Result<String, String> {
         Ok(text.to_owned())
     } else {
         Err("give a name such as trackloom.example.org, without scheme and port".to_owned())
+    }
+}
+
+/// A scheme, a host, and perhaps a port: what browsers send in the header `Origin`.
+fn origin(text: &str) -> Result<String, String> {
+    let authority = ["https://", "http://"]
+        .iter()
+        .find_map(|scheme| text.strip_prefix(scheme));
+    let is_authority = |authority: &str| {
+        let is_part = |byte: u8| byte.is_ascii_alphanumeric() || b"-._:[]".contains(&byte);
+        !authority.is_empty() && authority.bytes().all(is_part)
+    };
+    match authority {
+        Some(authority) if is_authority(authority) => Ok(text.to_owned()),
+        _ => Err(
+            "give a scheme and a host, such as https://radar.example.org, without a path"
+                .to_owned(),
+        ),
     }
 }
 
@@ -82,6 +104,7 @@ impl AccessArguments {
         // It has been checked before anything else.
         config.master_key = self.master_key().ok().flatten();
         config.allowed_hosts.clone_from(&self.allowed_hosts);
+        config.allowed_origins.clone_from(&self.allowed_origins);
         let limits = &mut config.connections;
         if let Some(most) = self.max_connections {
             *limits = ConnectionLimits::of(most as usize);

@@ -16,15 +16,32 @@ const SEC_FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 /// Always ours, with any port, besides the address that was connected to.
 const OURS: [&str; 3] = ["localhost", "127.0.0.1", "[::1]"];
 
-/// The hosts that are ours.
+/// The hosts that are ours, and the origins of others whose pages may use the service.
 #[derive(Debug, Clone)]
-pub struct Hosts(Arc<[String]>);
+pub struct Hosts {
+    names: Arc<[String]>,
+    origins: Arc<[String]>,
+}
 
 impl Hosts {
     /// With more names than those of this machine.
-    pub fn new(allowed: &[String]) -> Self {
+    pub fn new(allowed: &[String], origins: &[String]) -> Self {
         let allowed = allowed.iter().map(|name| plain(name));
-        Hosts(OURS.into_iter().map(str::to_owned).chain(allowed).collect())
+        let ours = OURS.into_iter().map(str::to_owned);
+        Hosts {
+            names: ours.chain(allowed).collect(),
+            origins: origins.iter().map(|origin| plain(origin)).collect(),
+        }
+    }
+
+    pub fn has_origins(&self) -> bool {
+        !self.origins.is_empty()
+    }
+
+    /// Whether pages of this origin, such as `https://radar.example.org`, may use the service.
+    pub fn allows_origin(&self, origin: &HeaderValue) -> bool {
+        let origin = origin.to_str().map(plain);
+        origin.is_ok_and(|origin| self.origins.contains(&origin))
     }
 
     /// Whether `host:port` is ours; `own` is the address that was connected to.
@@ -38,7 +55,7 @@ impl Hosts {
         let is_own = address.is_some_and(|address| {
             own.is_some_and(|own| own.ip().to_canonical() == address.to_canonical())
         });
-        is_own || self.0.contains(&host)
+        is_own || self.names.contains(&host)
     }
 }
 
@@ -82,7 +99,7 @@ fn check(hosts: &Hosts, request: &Request) -> Result<(), ApiError> {
         *request.method(),
         Method::GET | Method::HEAD | Method::OPTIONS | Method::TRACE
     ) {
-        check_site(request.headers(), asked)?;
+        check_site(hosts, request.headers(), asked)?;
     }
     check_encoding(request.headers())
 }
@@ -125,14 +142,14 @@ fn host_of(authority: &str) -> Option<&str> {
 
 /// Browsers say from where a request comes: newer ones in `Sec-Fetch-Site`, on pages that are safe; all in `Origin`. What
 /// says neither is no browser.
-fn check_site(headers: &HeaderMap, host: Option<&str>) -> Result<(), ApiError> {
+fn check_site(hosts: &Hosts, headers: &HeaderMap, host: Option<&str>) -> Result<(), ApiError> {
     let site = headers.get(SEC_FETCH_SITE);
     if site.is_some_and(|site| site == "same-origin" || site == "none") {
         return Ok(());
     }
     match headers.get(header::ORIGIN) {
         None if site.is_none() => Ok(()),
-        Some(origin) if is_of_host(origin, host) => Ok(()),
+        Some(origin) if is_of_host(origin, host) || hosts.allows_origin(origin) => Ok(()),
         _ => Err(ApiError::new(
             "cross_site",
             "a page of another site sent the request; this service takes changes from its own pages alone",
@@ -197,7 +214,7 @@ mod tests {
 
     #[test]
     fn this_machine_the_address_asked_and_allowed_names_are_ours() {
-        let hosts = Hosts::new(&["Radar.Example".to_owned()]);
+        let hosts = Hosts::new(&["Radar.Example".to_owned()], &[]);
         let own = Some(SocketAddr::from(([192, 168, 1, 5], 8080)));
         for host in [
             "localhost",

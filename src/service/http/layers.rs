@@ -1,6 +1,7 @@
 //! What every answer goes through: a request id, problem bodies, content negotiation, security headers, numbers.
 
 use super::hosts::{Hosts, guard};
+use super::origins::share;
 use crate::service::http::error::{ApiError, problem_of_status};
 use crate::service::monitoring;
 use crate::service::types::Problem;
@@ -47,6 +48,7 @@ const SECURITY: [(HeaderName, HeaderValue); 3] = [
 pub fn wrap(routes: Router, hosts: Hosts) -> Router {
     routes
         .layer(CatchPanicLayer::custom(answer_panic))
+        .layer(from_fn_with_state(hosts.clone(), share))
         .layer(from_fn_with_state(hosts, guard))
         .layer(from_fn(measure))
         // The dashboard's scripts and styles are fetched once and kept.

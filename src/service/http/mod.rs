@@ -15,6 +15,7 @@ mod hosts;
 mod jobs;
 mod keys;
 mod layers;
+mod origins;
 mod problems;
 mod query;
 mod raw_upload;
