@@ -1,9 +1,38 @@
 //! A database that is not there, goes away, or is not the right one; and two servers that want the same file.
 
+use crate::campaigns::campaign;
 use crate::postgres::Postgres;
 use crate::process::{Process, Server, refused, trackloom};
 use crate::single::body;
 use std::time::{Duration, Instant};
+
+/// Claims are not waited for on the disk, so a database that crashes may forget the last of them: what was made then is dropped, and must
+/// be made again.
+#[tokio::test(flavor = "multi_thread")]
+async fn what_a_database_that_crashed_has_forgotten_is_done_again() {
+    let Some(postgres) = Postgres::start() else {
+        return;
+    };
+    let (url, data) = (postgres.url(), tempfile::tempdir().unwrap());
+    let server = Server::start(data.path(), &["--database-url", &url, "--workers", "1"]);
+    let job = server.submit("simulate", &body(20_000, 1)).await;
+    server.until("running", 1).await;
+    let forgotten = postgres
+        .number(
+            "WITH lost AS (UPDATE jobs SET state = 'queued', attempt = attempt - 1, entry = NULL WHERE state = 'running' RETURNING 1)
+             SELECT count(*) FROM lost",
+        )
+        .await;
+    assert_eq!(forgotten, 1);
+    assert_eq!(server.ended(&job).await["state"], "succeeded");
+    let campaign = server.submit("campaign", &campaign(300)).await;
+    let lose = "WITH lost AS (UPDATE chunks SET state = 'queued', attempt = attempt - 1, entry = NULL WHERE state = 'running' RETURNING 1)
+                SELECT count(*) FROM lost";
+    while postgres.number(lose).await == 0 {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    assert_eq!(server.ended(&campaign).await["state"], "succeeded");
+}
 
 #[tokio::test(flavor = "multi_thread")]
 async fn jobs_of_a_server_are_run_by_a_worker_and_heard_of_at_once() {

@@ -132,7 +132,7 @@ fn ais() -> Sample {
     for step in 0..60_i64 {
         for ship in 0..6_i64 {
             let time_s = 1_700_000_000 + step;
-            let lat_deg = 50.7 + 0.001 * step as f64 + 0.01 * ship as f64;
+            let lat_deg = 50.7 + 0.0001 * step as f64 + 0.01 * ship as f64;
             let report = position_report(235_000_000 + ship, lat_deg, -1.2, time_s % 60);
             let tag = checked(&format!("c:{time_s}"));
             let count = step * 6 + ship;

@@ -12,6 +12,7 @@ use crate::service::views::report_page::{Source, render};
 use anyhow::{Context, anyhow};
 use clap::Args;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -45,10 +46,9 @@ fn finish(arguments: &ReportArguments) -> Result<(), Trouble> {
         return Err(damaged("it is no report of a job".to_owned()).into());
     }
     let listed = out::listed(&folder);
-    let is_of_run = |name: &str| listed.as_ref().is_none_or(|listed| listed.contains(name));
-    let layers = read_layers(&folder, &report["spec"], is_of_run)?;
+    let layers = read_layers(&folder, &report["spec"], listed.as_ref())?;
     let causes = std::fs::read(folder.join("causes.csv")).ok();
-    let causes = causes.filter(|_| is_of_run("causes.csv"));
+    let causes = causes.filter(|_| is_of_run(listed.as_ref(), "causes.csv"));
     let name = name_of(&report, &folder);
     let source = Source {
         name: &name,
@@ -80,11 +80,16 @@ fn name_of(report: &Value, folder: &Path) -> String {
     name.unwrap_or_else(|| folder.display().to_string())
 }
 
+/// Whether a file belongs to the report; where nobody lists them, all do.
+fn is_of_run(listed: Option<&BTreeSet<String>>, name: &str) -> bool {
+    listed.is_none_or(|listed| listed.contains(name))
+}
+
 /// The files of a run that its pictures are made of.
 fn read_layers(
     folder: &Path,
     spec: &Value,
-    is_of_run: impl Fn(&str) -> bool,
+    listed: Option<&BTreeSet<String>>,
 ) -> Result<JobLayers, Trouble> {
     let mut layers = JobLayers {
         sensors: sensors_of(spec),
@@ -92,7 +97,7 @@ fn read_layers(
         ..JobLayers::default()
     };
     let names = ["detections.csv", "truth.csv", "tracks.csv"];
-    for name in names.into_iter().filter(|name| is_of_run(name)) {
+    for name in names.into_iter().filter(|name| is_of_run(listed, name)) {
         match read_dataset(&folder.join(name))? {
             Some(Dataset::Detections(recording)) => layers.detections = Some(recording),
             Some(Dataset::Truth(truth)) => layers.truth = Some(truth),

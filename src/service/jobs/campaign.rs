@@ -93,8 +93,7 @@ impl Jobs {
             })
             .await;
         self.running.unregister((job.id, None));
-        self.publish(changed?.unwrap_or_default()).await;
-        Ok(())
+        self.publish_or_do_again(changed?, (job.id, None)).await
     }
 
     pub(super) async fn look_at_chunk(
@@ -257,16 +256,13 @@ impl Jobs {
                 None => self.storage.release_chunk(chunk).boxed(),
             })
             .await?;
-        let Some(changed) = changed else {
-            return Ok(());
-        };
-        if let Some(ChunkResult::Ended(_)) = result {
+        if changed.is_some() && matches!(result, Some(ChunkResult::Ended(_))) {
             self.campaigns.forget(chunk.job_id);
             self.children.forget(chunk.job_id);
             self.running.stop(chunk.job_id, Stop::Canceled);
         }
-        self.publish(changed).await;
-        Ok(())
+        self.publish_or_do_again(changed, (chunk.job_id, Some(chunk.number)))
+            .await
     }
 
     /// What the runs that are made say of the cells, while others are still being made or after they were given up.

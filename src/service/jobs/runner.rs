@@ -150,7 +150,23 @@ impl Jobs {
                 None => self.storage.release(job).boxed(),
             })
             .await?;
-        self.publish(changed.unwrap_or_default()).await;
+        self.publish_or_do_again(changed, (job.id, None)).await
+    }
+
+    /// Tells of what was written. Where nothing was, because a database that died has forgotten the claim, an error has the queue give the
+    /// entry out again: nobody else would.
+    pub(super) async fn publish_or_do_again(
+        &self,
+        changed: Option<Changed>,
+        (job_id, chunk): Work,
+    ) -> anyhow::Result<()> {
+        match changed {
+            Some(changed) => self.publish(changed).await,
+            None => ensure!(
+                !self.storage.is_unclaimed(job_id, chunk).await?,
+                "the database has forgotten who does it"
+            ),
+        }
         Ok(())
     }
 

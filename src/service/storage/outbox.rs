@@ -3,6 +3,7 @@
 use super::change::{Ready, parse_id};
 use super::{Storage, now, to_micros};
 use sqlx::Row;
+use uuid::Uuid;
 
 impl Storage {
     /// Every queued job and chunk that waits for nothing but a free slot, the most urgent and oldest first. `is_missing`: only those of
@@ -33,6 +34,24 @@ impl Storage {
             })
         };
         rows.iter().map(ready).collect()
+    }
+
+    /// Whether a job, or a chunk of a campaign, waits to be claimed.
+    pub async fn is_unclaimed(&self, job_id: Uuid, chunk: Option<u32>) -> anyhow::Result<bool> {
+        let query = match chunk {
+            None => sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = $1 AND state = 'queued'"),
+            Some(_) => sqlx::query_scalar(
+                "SELECT count(*) FROM chunks JOIN jobs ON jobs.id = job_id
+                 WHERE job_id = $1 AND number = $2 AND chunks.state = 'queued' AND jobs.state = 'running'",
+            ),
+        };
+        let query = query.bind(job_id.to_string());
+        let query = match chunk {
+            None => query,
+            Some(number) => query.bind(i64::from(number)),
+        };
+        let count: i64 = query.fetch_one(&self.work).await?;
+        Ok(count > 0)
     }
 
     /// Notes that these are in the queue, where others would put them in again. A queue of one process is made anew at each start.
