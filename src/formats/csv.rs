@@ -266,14 +266,6 @@ impl Rows for CsvRows<'_> {
     fn cell_fault(&self, row: u64, column: usize, code: &str, detail: String) -> Fault {
         Fault::new("/file", code, detail).at(row, self.names[column].clone())
     }
-
-    fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
-        Fault {
-            line: Some(1),
-            column: name.map(Into::into),
-            ..Fault::new("/file", code, detail)
-        }
-    }
 }
 
 pub(super) struct CsvSink<'a> {

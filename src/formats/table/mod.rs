@@ -45,8 +45,14 @@ pub trait Rows {
     fn row_word(&self) -> &'static str;
     /// A fault in one cell.
     fn cell_fault(&self, row: u64, column: usize, code: &str, detail: String) -> Fault;
-    /// A fault in the header, about one name or about all.
-    fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault;
+    /// A fault in the header, about one name or about all: in the first line, unless the format has no lines.
+    fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
+        Fault {
+            line: Some(1),
+            column: name.map(Into::into),
+            ..Fault::new("/file", code, detail)
+        }
+    }
 }
 
 /// A table being read, and what was told of it.
