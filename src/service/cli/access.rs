@@ -49,15 +49,11 @@ fn host_name(text: &str) -> Result<String, String> {
 
 /// A scheme, a host, and perhaps a port: what browsers send in the header `Origin`.
 fn origin(text: &str) -> Result<String, String> {
-    let authority = ["https://", "http://"]
-        .iter()
-        .find_map(|scheme| text.strip_prefix(scheme));
-    let is_authority = |authority: &str| {
-        let is_part = |byte: u8| byte.is_ascii_alphanumeric() || b"-._:[]".contains(&byte);
-        !authority.is_empty() && authority.bytes().all(is_part)
-    };
+    let https = text.strip_prefix("https://");
+    let authority = https.or_else(|| text.strip_prefix("http://"));
+    let is_part = |byte: u8| byte.is_ascii_alphanumeric() || b"-._:[]".contains(&byte);
     match authority {
-        Some(authority) if is_authority(authority) => Ok(text.to_owned()),
+        Some(host) if !host.is_empty() && host.bytes().all(is_part) => Ok(text.to_owned()),
         _ => Err(
             "give a scheme and a host, such as https://radar.example.org, without a path"
                 .to_owned(),
