@@ -354,7 +354,7 @@ def main(program, address, openapi, *names):
                 tried(f"{page.name}: what it prints", failures, lambda: session.printed(item[1]))
             else:
                 try_block(session, page, item[1:], failures)
-        if page.name == "README.md":
+        if page.resolve() == ROOT / "README.md":
             tried("README.md: the table of the tour", failures, lambda: tour_is_that_of(text, session))
     for path, name, body in pages.examples(json.loads(Path(openapi).read_text())):
         tried(f"API document: {path} {name}", failures, lambda: session.example(path, body))
