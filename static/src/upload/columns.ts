@@ -8,7 +8,7 @@ const PLACES = ["x_m", "y_m", "z_m", "lat_deg", "lon_deg", "height_m"];
 const MEASURED = ["range_m", "bearing_deg", "elevation_deg", "range_rate_mps"];
 const MOVING = ["vx_mps", "vy_mps", "vz_mps", "speed_mps", "course_deg", "bearing_rate_degps"];
 const IDENTITIES = ["scan", "sensor_id", "detection_id", "truth_id", "track_id"];
-const OTHERS = ["amplitude", "probability", "status", "nis", "existence"];
+const OTHERS = ["amplitude", "probability", "status", "nis", "existence", "time_base"];
 /** How probable each motion model of a track is. */
 const MODES = [1, 2, 3, 4, 5, 6].map((model) => `mode_${model}`);
 /** Where a sensor that moves is, how fast, how it is turned, and how well that is known. */
