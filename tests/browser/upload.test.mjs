@@ -75,6 +75,8 @@ async function dropAll(page, files) {
     for (const [called, content] of all) held.items.add(new File([content], called));
     return held;
   }, files);
+  // The page before has a heading, too, and takes nothing.
+  await page.locator(".drop-page").waitFor();
   await page.dispatchEvent("h1", "dragover", { dataTransfer });
   await page.locator(".drop-page.over").waitFor();
   await page.dispatchEvent("h1", "drop", { dataTransfer });
