@@ -1,5 +1,6 @@
 //! A server to ask, and verbs to ask with.
 
+use crate::documents;
 use axum::Router;
 use reqwest::header::{HeaderMap, HeaderName};
 use reqwest::multipart::{Form, Part};
@@ -220,12 +221,17 @@ impl Api {
 }
 
 pub async fn send(request: RequestBuilder) -> Answer {
-    let response = request.send().await.unwrap();
+    let (client, request) = request.build_split();
+    let request = request.unwrap();
+    let (method, path) = (request.method().clone(), request.url().path().to_owned());
+    let response = client.execute(request).await.unwrap();
     let (status, headers) = (response.status(), response.headers().clone());
+    let text = response.text().await.unwrap();
+    documents::check(&method, &path, status, &text);
     Answer {
         status,
         headers,
-        text: response.text().await.unwrap(),
+        text,
     }
 }
 

@@ -9,6 +9,7 @@ mod comparison;
 mod connections;
 mod correlations;
 mod datasets;
+mod documents;
 mod doors;
 mod evaluations;
 mod events;

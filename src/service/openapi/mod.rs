@@ -63,9 +63,10 @@ pub fn document() -> Value {
     document["security"] = json!([{}, {"key": []}, {"cookie": []}]);
     inline_tags(&mut document, &tags);
     let needs = http::needs();
-    each_operation(&mut document, &mut |operation| {
+    each_operation(&mut document, &mut |method, operation| {
         tell_need(operation, &needs);
         complete(operation, &bodies);
+        refusals::add(operation, method != "get");
     });
     in_order(document)
 }
@@ -234,7 +235,6 @@ fn complete(operation: &mut Value, bodies: &BTreeMap<String, Value>) {
         refine(parameter);
     }
     name_file_types(operation);
-    refusals::add(operation);
 }
 
 /// A download answers in the type of its file. The type of any bytes stands first: generators take the first.
@@ -293,17 +293,15 @@ fn reference(name: &str) -> Value {
 }
 
 /// Calls `change` for every operation of the document.
-fn each_operation(document: &mut Value, change: &mut dyn FnMut(&mut Value)) {
+fn each_operation(document: &mut Value, change: &mut dyn FnMut(&str, &mut Value)) {
     let paths = document["paths"]
         .as_object_mut()
         .into_iter()
         .flat_map(Map::values_mut);
-    let operations = paths
-        .filter_map(Value::as_object_mut)
-        .flat_map(Map::values_mut);
+    let operations = paths.filter_map(Value::as_object_mut).flatten();
     operations
-        .filter(|operation| operation.get("operationId").is_some())
-        .for_each(change);
+        .filter(|(_, operation)| operation.get("operationId").is_some())
+        .for_each(|(method, operation)| change(method, operation));
 }
 
 /// The document with its parts in the usual order, whatever order they were made in.

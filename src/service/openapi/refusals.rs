@@ -18,7 +18,7 @@ const FIXED: [&str; 7] = [
 ];
 
 /// What the work of an operation is refused for, besides what its parameters and its body are refused for.
-const OF_WORK: [(&str, &[&str]); 34] = [
+const OF_WORK: [(&str, &[&str]); 37] = [
     ("beginSessionTrack", SESSION),
     ("cancelJob", &["job_terminal"]),
     (
@@ -31,11 +31,19 @@ const OF_WORK: [(&str, &[&str]); 34] = [
     ("createEvaluateJob", NEW_JOB),
     ("createGroupJob", NEW_JOB),
     ("createJob", NEW_JOB),
-    ("closeSession", &["session_elsewhere", "shutting_down"]),
-    ("createSession", &["shutting_down"]),
+    (
+        "closeSession",
+        &[
+            "session_closed",
+            "session_elsewhere",
+            "shutting_down",
+            "insufficient_storage",
+        ],
+    ),
+    ("createSession", &["shutting_down", "insufficient_storage"]),
     ("createSimulateJob", NEW_JOB),
     ("deleteDataset", &["in_use"]),
-    ("deleteJob", &["job_active"]),
+    ("deleteJob", &["job_active", "in_use"]),
     ("deleteSession", &["session_elsewhere"]),
     ("endSessionTrack", SESSION),
     ("getSessionHistory", SESSION),
@@ -45,7 +53,12 @@ const OF_WORK: [(&str, &[&str]); 34] = [
     ("pauseSession", SESSION),
     ("pushScans", SESSION_PUSH),
     ("resumeSession", SESSION),
-    ("streamSessionEvents", SESSION),
+    (
+        "recordSession",
+        &["session_closed", "shutting_down", "insufficient_storage"],
+    ),
+    ("streamJobEvents", &["too_many_streams"]),
+    ("streamSessionEvents", SESSION_STREAM),
     ("downloadDataset", &["range_not_satisfiable"]),
     (
         "downloadJobArtifact",
@@ -57,16 +70,32 @@ const OF_WORK: [(&str, &[&str]); 34] = [
         "getJobReport",
         &["result_not_ready", "job_failed", "range_not_satisfiable"],
     ),
+    ("getJobReportPage", RESULT),
     ("getJobSeries", RESULT),
     ("getReadiness", &["shutting_down"]),
     ("listJobArtifacts", RESULT),
     ("login", &["unauthenticated", "too_many_requests"]),
-    ("rerunJob", &["queue_full", "shutting_down"]),
+    (
+        "rerunJob",
+        &["queue_full", "shutting_down", "insufficient_storage"],
+    ),
 ];
 
-const NEW_JOB: &[&str] = &["idempotency_mismatch", "queue_full", "shutting_down"];
+const NEW_JOB: &[&str] = &[
+    "idempotency_mismatch",
+    "queue_full",
+    "shutting_down",
+    "insufficient_storage",
+];
 const SESSION: &[&str] = &["session_closed", "session_elsewhere", "session_full"];
+const SESSION_STREAM: &[&str] = &[
+    "session_closed",
+    "session_elsewhere",
+    "session_full",
+    "too_many_streams",
+];
 const SESSION_PUSH: &[&str] = &[
+    "insufficient_storage",
     "session_closed",
     "session_paused",
     "session_elsewhere",
@@ -77,13 +106,14 @@ const SESSION_PUSH: &[&str] = &[
 const RESULT: &[&str] = &["result_not_ready", "job_failed"];
 
 /// Adds the problems of an operation to its answers: each status with the codes it may have, then the ranges, for what a
-/// proxy or a later version answers.
-pub fn add(operation: &mut Value) {
+/// proxy or a later version answers. Pages of other sites may read, and change nothing.
+pub fn add(operation: &mut Value, is_change: bool) {
     let mut by_status: BTreeMap<u16, Vec<String>> = BTreeMap::new();
-    for (code, status, title) in PROBLEMS
-        .iter()
-        .filter(|(code, ..)| codes(operation).contains(code))
-    {
+    let mut codes = codes(operation);
+    if is_change {
+        codes.push("cross_site");
+    }
+    for (code, status, title) in PROBLEMS.iter().filter(|(code, ..)| codes.contains(code)) {
         by_status
             .entry(*status)
             .or_default()
@@ -112,8 +142,8 @@ pub fn add(operation: &mut Value) {
 
 fn codes(operation: &Value) -> Vec<&'static str> {
     let id = operation["operationId"].as_str().unwrap_or_default();
-    // Every route refuses a query that it does not know.
-    let mut codes = vec!["validation"];
+    // Every route refuses a query that it does not know, a host that it is not, and a client that cannot read the answer.
+    let mut codes = vec!["validation", "foreign_host", "not_acceptable"];
     codes.extend(of_parameters(
         operation["parameters"]
             .as_array()
@@ -164,12 +194,14 @@ fn of_body(content: &Map<String, Value>) -> &'static [&'static str] {
         "payload_too_large",
         "unsupported_media_type",
         "shutting_down",
+        "insufficient_storage",
     ];
     const FORM: &[&str] = &[
         "malformed_json",
         "payload_too_large",
         "unsupported_media_type",
         "shutting_down",
+        "insufficient_storage",
     ];
     const JSON: &[&str] = &[
         "malformed_json",
