@@ -88,13 +88,13 @@ fn open_file(bytes: Vec<u8>) -> Result<(SchemaRef, Batches), Vec<Fault>> {
     let mut decoder = FileDecoder::new(schema.clone(), footer.version());
     for block in footer.dictionaries().iter().flatten() {
         let message = message_of(&bytes, block).map_err(damaged)?;
-        messages::check(&message, &mut budget)?;
+        messages::check_block(&message, block.metaDataLength(), &mut budget)?;
         decoder.read_dictionary(block, &message).map_err(damaged)?;
     }
     let blocks: Vec<Block> = footer.recordBatches().iter().flatten().copied().collect();
     for block in &blocks {
         let message = message_of(&bytes, block).map_err(damaged)?;
-        messages::check(&message, &mut budget)?;
+        messages::check_block(&message, block.metaDataLength(), &mut budget)?;
     }
     let blocks = blocks.into_iter();
     let file = File {

@@ -19,10 +19,28 @@ pub fn check(messages: &[u8], budget: &mut Budget) -> Result<(), Vec<Fault>> {
         let Some((body, after)) = split(after, message.bodyLength()) else {
             break;
         };
-        for bytes in unpacked_sizes(&message, body) {
-            budget.take(bytes).map_err(|fault| vec![fault])?;
-        }
+        take_sizes(&message, body, budget)?;
         rest = after;
+    }
+    Ok(())
+}
+
+/// As [`check`], of one message of a file, whose body is where the footer says, whatever the message says.
+///
+/// # Errors
+/// More than the [`Budget`]; a damaged head; a body outside of the message.
+pub fn check_block(bytes: &[u8], head_bytes: i32, budget: &mut Budget) -> Result<(), Vec<Fault>> {
+    let head = bytes.strip_prefix(&CONTINUATION).unwrap_or(bytes);
+    let message = root_as_message(head.get(4..).unwrap_or_default()).map_err(damaged)?;
+    let start = usize::try_from(head_bytes).ok();
+    let body = start.and_then(|start| bytes.get(start..));
+    let body = body.ok_or_else(|| damaged("a batch has no body"))?;
+    take_sizes(&message, body, budget)
+}
+
+fn take_sizes(message: &Message, body: &[u8], budget: &mut Budget) -> Result<(), Vec<Fault>> {
+    for bytes in unpacked_sizes(message, body) {
+        budget.take(bytes).map_err(|fault| vec![fault])?;
     }
     Ok(())
 }

@@ -3,8 +3,9 @@
 use super::*;
 use arrow_array::types::Int32Type;
 use arrow_array::{ArrayRef, DictionaryArray, Float64Array, RecordBatch, StringArray};
-use arrow_ipc::CompressionType;
+use arrow_ipc::reader::read_footer_length;
 use arrow_ipc::writer::{FileWriter, IpcWriteOptions};
+use arrow_ipc::{CompressionType, root_as_footer};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_writer::ArrowWriterOptions;
 use parquet::basic::Compression;
@@ -141,6 +142,32 @@ fn a_file_that_unpacks_to_much_more_than_its_size_is_refused() {
     }
     let bomb = arrow(&batch, Some(CompressionType::ZSTD));
     assert!(bomb.len() < 120_000, "{}", bomb.len());
+    refused("arrow", &bomb, "too_large", "unpacks to more than");
+}
+
+const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+
+/// Where the body of a batch is, its block in the footer says; what its message says of that is not believed.
+#[test]
+fn a_batch_that_says_a_wrong_length_is_held_to_what_it_unpacks_to() {
+    let mut bomb = arrow(&long_name(1 << 20), Some(CompressionType::ZSTD));
+    let trailer = bomb.last_chunk::<10>().expect("a file ends with its magic");
+    let footer_bytes = read_footer_length(*trailer).expect("the file is sound");
+    let footer = bomb[bomb.len() - 10 - footer_bytes..bomb.len() - 10].to_vec();
+    let footer = root_as_footer(&footer).expect("the file is sound");
+    let blocks = footer.recordBatches().expect("there is a batch");
+    let (block, length) = (blocks.get(0), blocks.get(0).bodyLength());
+    let start = block.offset() as usize;
+    let head = &mut bomb[start..start + block.metaDataLength() as usize];
+    let place = head
+        .windows(8)
+        .position(|eight| eight == length.to_le_bytes());
+    let place = place.expect("the head says how long the body is");
+    head[place..place + 8].copy_from_slice(&(length * 2).to_le_bytes());
+    // What a buffer unpacks to stands before its frame.
+    let place = bomb.windows(4).position(|four| four == ZSTD_MAGIC);
+    let place = place.expect("the name is packed");
+    bomb[place - 8..place].copy_from_slice(&(1_i64 << 57).to_le_bytes());
     refused("arrow", &bomb, "too_large", "unpacks to more than");
 }
 
