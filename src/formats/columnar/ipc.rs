@@ -87,14 +87,12 @@ fn open_file(bytes: Vec<u8>) -> Result<(SchemaRef, Batches), Vec<Fault>> {
     let bytes = Buffer::from_vec(bytes);
     let mut decoder = FileDecoder::new(schema.clone(), footer.version());
     for block in footer.dictionaries().iter().flatten() {
-        let message = message_of(&bytes, block).map_err(damaged)?;
-        messages::check_block(&message, block.metaDataLength(), &mut budget)?;
+        let message = take_message(&bytes, block, &mut budget)?;
         decoder.read_dictionary(block, &message).map_err(damaged)?;
     }
     let blocks: Vec<Block> = footer.recordBatches().iter().flatten().copied().collect();
     for block in &blocks {
-        let message = message_of(&bytes, block).map_err(damaged)?;
-        messages::check_block(&message, block.metaDataLength(), &mut budget)?;
+        take_message(&bytes, block, &mut budget)?;
     }
     let blocks = blocks.into_iter();
     let file = File {
@@ -112,6 +110,13 @@ fn footer_of(bytes: &[u8]) -> Result<&[u8], ArrowError> {
     let length = read_footer_length(*trailer)?;
     let start = rest.len().checked_sub(length).ok_or_else(cut)?;
     Ok(&rest[start..])
+}
+
+/// As [`message_of`]; what it unpacks to is taken from the budget.
+fn take_message(bytes: &Buffer, block: &Block, budget: &mut Budget) -> Result<Buffer, Vec<Fault>> {
+    let message = message_of(bytes, block).map_err(damaged)?;
+    messages::check_block(&message, block.metaDataLength(), budget)?;
+    Ok(message)
 }
 
 /// The head of a block and its body.

@@ -18,7 +18,7 @@ const FIXED: [&str; 7] = [
 ];
 
 /// What the work of an operation is refused for, besides what its parameters and its body are refused for.
-const OF_WORK: [(&str, &[&str]); 37] = [
+const OF_WORK: [(&str, &[&str]); 38] = [
     ("beginSessionTrack", SESSION),
     ("cancelJob", &["job_terminal"]),
     (
@@ -58,7 +58,8 @@ const OF_WORK: [(&str, &[&str]); 37] = [
         &["session_closed", "shutting_down", "insufficient_storage"],
     ),
     ("streamJobEvents", &["too_many_streams"]),
-    ("streamSessionEvents", SESSION_STREAM),
+    ("streamSessionEvents", SESSION),
+    ("streamSessionEvents", &["too_many_streams"]),
     ("downloadDataset", &["range_not_satisfiable"]),
     (
         "downloadJobArtifact",
@@ -88,12 +89,6 @@ const NEW_JOB: &[&str] = &[
     "insufficient_storage",
 ];
 const SESSION: &[&str] = &["session_closed", "session_elsewhere", "session_full"];
-const SESSION_STREAM: &[&str] = &[
-    "session_closed",
-    "session_elsewhere",
-    "session_full",
-    "too_many_streams",
-];
 const SESSION_PUSH: &[&str] = &[
     "insufficient_storage",
     "session_closed",
