@@ -12,7 +12,10 @@ cache=${XDG_CACHE_HOME:-$HOME/.cache}/trackloom
 mkdir -p "$cache"
 [ -x "$cache/peers-metrics/bin/python" ] || python3 -m venv "$cache/peers-metrics"
 "$cache/peers-metrics/bin/pip" install --quiet 'motrics==0.3.0' 'trackeval==1.3.0' 'numpy==2.4.6' 'scipy==1.17.1'
-# One process, one thread on either side.
+# One thread on either side, and each number of copies in a process of its own: what a run before has left of the C library's
+# memory changes the times by up to 60 %.
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE=1
-cargo bench --quiet -p trackloom-domain --bench metrics -- "$folder" "${copies[@]}" |
-    "$cache/peers-metrics/bin/python" benches/peers/metrics.py "$folder" "${copies[@]}"
+for count in "${copies[@]}"; do
+    cargo bench --quiet --locked -p trackloom-domain --bench metrics -- "$folder" "$count" |
+        "$cache/peers-metrics/bin/python" benches/peers/metrics.py "$folder" "$count"
+done

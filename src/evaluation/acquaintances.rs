@@ -1,6 +1,6 @@
 //! Who ever meets whom: the distinct pairs of a truth and a track in a comparison, without a table of all with all.
 
-use super::comparison::Comparison;
+use super::comparison::{Comparison, Pair};
 
 /// Truths and tracks that are listed as a pair at one step at least.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -14,51 +14,42 @@ pub struct Acquaintances {
 impl Acquaintances {
     /// Sorts the pairs by counting, first by track, then by truth; so the cost is in proportion to pairs and ids.
     pub fn new(comparison: &Comparison) -> Acquaintances {
-        let pairs = &comparison.pairs;
-        let all: Vec<u32> = (0..pairs.len() as u32).collect();
-        let by_track = sorted_by_counting(&all, comparison.track_ids.len(), |index| {
-            track_of(comparison, index)
-        });
-        let order = sorted_by_counting(&by_track, comparison.truth_ids.len(), |index| {
-            truth_of(comparison, index)
-        });
+        let ids_of = |pair: &Pair| {
+            let truth = &comparison.truths[pair.truth as usize];
+            (truth.id, comparison.tracks[pair.track as usize].id)
+        };
+        let all: Vec<(u32, u32)> = comparison.pairs.iter().map(ids_of).collect();
+        let places: Vec<u32> = (0..all.len() as u32).collect();
+        let by_track =
+            sorted_by_counting(&places, comparison.track_ids.len(), |place| all[place].1);
+        let order = sorted_by_counting(&by_track, comparison.truth_ids.len(), |place| all[place].0);
         let mut found = Acquaintances {
             ids: Vec::new(),
-            of_pair: vec![0; pairs.len()],
+            of_pair: vec![0; all.len()],
         };
-        for index in order {
-            let ids = (truth_of(comparison, index), track_of(comparison, index));
+        for place in order {
+            let ids = all[place as usize];
             if found.ids.last() != Some(&ids) {
                 found.ids.push(ids);
             }
-            found.of_pair[index as usize] = found.ids.len() as u32 - 1;
+            found.of_pair[place as usize] = found.ids.len() as u32 - 1;
         }
         found
     }
 }
 
-/// The truth of a pair.
-fn truth_of(comparison: &Comparison, pair: u32) -> u32 {
-    comparison.truths[comparison.pairs[pair as usize].truth as usize].id
-}
-
-/// The track of a pair.
-fn track_of(comparison: &Comparison, pair: u32) -> u32 {
-    comparison.tracks[comparison.pairs[pair as usize].track as usize].id
-}
-
 /// The items in order of their keys, which are below `keys`; equal keys keep their order.
-fn sorted_by_counting(items: &[u32], keys: usize, key: impl Fn(u32) -> u32) -> Vec<u32> {
+fn sorted_by_counting(items: &[u32], keys: usize, key: impl Fn(usize) -> u32) -> Vec<u32> {
     let mut places = vec![0u32; keys + 1];
     for &item in items {
-        places[key(item) as usize + 1] += 1;
+        places[key(item as usize) as usize + 1] += 1;
     }
     for index in 1..places.len() {
         places[index] += places[index - 1];
     }
     let mut sorted = vec![0; items.len()];
     for &item in items {
-        let place = &mut places[key(item) as usize];
+        let place = &mut places[key(item as usize) as usize];
         sorted[*place as usize] = item;
         *place += 1;
     }

@@ -17,6 +17,7 @@ mod points;
 mod sweep;
 
 use super::EvaluationInput;
+use super::acquaintances::Acquaintances;
 use super::credit::Credit;
 use super::extent::Extent;
 use super::paths::{Alignment, Paths};
@@ -26,6 +27,7 @@ use crate::model::space::{Place, Space};
 use crate::model::truth::TruthSet;
 use crate::model::watch::Watch;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// One time at which truth and tracks are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,6 +99,7 @@ pub struct Comparison {
     pub(super) own_times: Option<OwnTimes>,
     pub facts: Facts,
     pub warnings: Vec<String>,
+    pub(super) acquaintances: OnceLock<Acquaintances>,
 }
 
 /// What a reader must know of a comparison before its numbers.
@@ -254,6 +257,11 @@ impl Comparison {
             &presence,
             (self.steps[step].time_s, after_s),
         )
+    }
+
+    /// Who ever meets whom; found when first asked for, so all pairs must be listed by then.
+    pub fn acquaintances(&self) -> &Acquaintances {
+        self.acquaintances.get_or_init(|| Acquaintances::new(self))
     }
 
     /// How many steps have a target that is due.

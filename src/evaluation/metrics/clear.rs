@@ -19,7 +19,7 @@
 
 use super::origin::{DUE_STEPS, EVENTS, Origin, Source, Statistic, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, NOTHING_DUE, Quantity, Sequence, Series};
-use crate::evaluation::events::EventKind;
+use crate::evaluation::events::{EventKind, EventLog};
 use crate::model::space::Space;
 use crate::registry::{Kind, Method, Object, default};
 use serde::{Deserialize, Serialize};
@@ -96,7 +96,7 @@ impl Metric for Clear {
             if sequences.len() == 1 {
                 per_truth = truth_lines(sequence, &lives, &classes);
                 per_track = track_lines(sequence);
-                series = counts_over_time(sequence);
+                series = counts_over_time(sequence.events);
             }
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
@@ -294,13 +294,29 @@ impl Counts {
 }
 
 /// Matches, misses, false positives and switches at each step.
-fn counts_over_time(sequence: &Sequence) -> Vec<Series> {
-    vec![
-        sequence.events_over_time("tp", &[EventKind::Match]),
-        sequence.events_over_time("fn", &[EventKind::Miss]),
-        sequence.events_over_time("fp", &FALSE_KINDS),
-        sequence.events_over_time("idsw", &[EventKind::Switch]),
-    ]
+fn counts_over_time(events: &EventLog) -> Vec<Series> {
+    let mut columns: [Vec<Option<f64>>; 4] = Default::default();
+    for range in &events.steps {
+        let mut kinds = [0.0; EventKind::ALL.len()];
+        for event in &events.events[range.clone()] {
+            kinds[event.kind as usize] += 1.0;
+        }
+        let of = |kind: EventKind| kinds[kind as usize];
+        let fp = FALSE_KINDS.map(of).iter().sum();
+        let counts = [
+            of(EventKind::Match),
+            of(EventKind::Miss),
+            fp,
+            of(EventKind::Switch),
+        ];
+        for (column, count) in columns.iter_mut().zip(counts) {
+            column.push(Some(count));
+        }
+    }
+    let named = ["tp", "fn", "fp", "idsw"].into_iter().zip(columns);
+    named
+        .map(|(name, counts)| Series::over_time(name, "", counts.into_iter()))
+        .collect()
 }
 
 fn truth_lines(sequence: &Sequence, lives: &[TruthLife], classes: &[[u64; 3]]) -> Vec<Line> {

@@ -222,7 +222,7 @@ fn over_time(
 impl Sums {
     /// Adds a sequence; says of each match how many thresholds it reaches, and what it adds to the association at all of them.
     fn add(&mut self, comparison: &Comparison) -> (PairColumn, PairColumn) {
-        let acquaintances = Acquaintances::new(comparison);
+        let acquaintances = comparison.acquaintances();
         let (truth_points, track_points) = (
             points(&comparison.truths, &comparison.truth_ids),
             points(&comparison.tracks, &comparison.track_ids),
@@ -230,8 +230,8 @@ impl Sums {
         let points_of = |(truth, track): (u32, u32)| {
             (truth_points[truth as usize], track_points[track as usize])
         };
-        let alignment = alignment(comparison, &acquaintances, points_of);
-        let matched = self.matches(comparison, &acquaintances, &alignment);
+        let alignment = alignment(comparison, acquaintances, points_of);
+        let matched = self.matches(comparison, acquaintances, &alignment);
         let mut shares = Vec::with_capacity(acquaintances.ids.len());
         for (&ids, counts) in acquaintances.ids.iter().zip(&matched.counts) {
             shares.push(self.add_acquaintance(points_of(ids), counts));

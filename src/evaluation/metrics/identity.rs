@@ -13,7 +13,6 @@
 
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::acquaintances::Acquaintances;
 use crate::evaluation::comparison::{Comparison, Presence};
 use crate::math::assignment::AssignmentSolver;
 use crate::model::space::Space;
@@ -120,7 +119,7 @@ struct Explained {
 
 impl Explained {
     fn new(comparison: &Comparison) -> Explained {
-        let acquaintances = Acquaintances::new(comparison);
+        let acquaintances = comparison.acquaintances();
         let mut meetings = vec![0u32; acquaintances.ids.len()];
         for (pair, &acquaintance) in comparison.pairs.iter().zip(&acquaintances.of_pair) {
             meetings[acquaintance as usize] += u32::from(pair.distance <= comparison.gate);

@@ -23,14 +23,13 @@ pub use cutoff::METRES;
 use self::origin::{Origin, PairColumn};
 use super::EvaluationInput;
 use super::comparison::Comparison;
-use super::events::{EventKind, EventLog};
+use super::events::EventLog;
 use crate::model::space::Space;
 use crate::model::watch::Watch;
 use crate::registry::{Method, Union};
 use cutoff::Cutoffs;
 use serde::Serialize;
 use serde_json::{Map, Value};
-use std::ops::Range;
 
 /// One recording or run, compared.
 #[derive(Debug, Clone, Copy)]
@@ -39,18 +38,6 @@ pub struct Sequence<'a> {
     pub events: &'a EventLog,
     /// What was compared; absent for boxes. [`super::comparison::Presence::point`] refers to its tracks.
     pub input: Option<EvaluationInput<'a>>,
-}
-
-impl Sequence<'_> {
-    /// How often these events occurred at each step.
-    fn events_over_time(&self, name: &'static str, kinds: &[EventKind]) -> Series {
-        let EventLog { steps, events, .. } = self.events;
-        let count = |range: &Range<usize>| {
-            let of_step = events[range.clone()].iter();
-            of_step.filter(|event| kinds.contains(&event.kind)).count() as f64
-        };
-        Series::over_time(name, "", steps.iter().map(|range| Some(count(range))))
-    }
 }
 
 /// A number with its unit; `null` comes with a reason.
