@@ -43,6 +43,20 @@ pub struct Candidate {
     pub probability: f64,
 }
 
+impl Candidate {
+    /// The more probable of the two: of equals a detection before ε, else `best`. What is not a number never wins.
+    pub fn more_probable(best: Option<Candidate>, next: Candidate) -> Option<Candidate> {
+        if next.probability.is_nan() {
+            return best;
+        }
+        let Some(kept) = best else { return Some(next) };
+        let is_first_detection = kept.detection.is_none() && next.detection.is_some();
+        let wins = next.probability > kept.probability
+            || (next.probability == kept.probability && is_first_detection);
+        Some(if wins { next } else { kept })
+    }
+}
+
 /// What a track says of its target at one scan. All points of a set are of its space.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kinematics {
@@ -231,12 +245,36 @@ impl TrackSet {
         let first = point.first_candidate as usize;
         &self.candidates[first..first + point.candidates as usize]
     }
+
+    /// The most probable candidate of one point, as [`Candidate::more_probable`] has it.
+    pub fn most_probable(&self, point: &TrackPoint) -> Option<Candidate> {
+        let candidates = self.candidates_of(point).iter().copied();
+        candidates.fold(None, Candidate::more_probable)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::model::state::GaussianState;
+
+    #[test]
+    fn of_equals_the_first_detection_is_the_most_probable() {
+        let of = |candidates: &[(Option<u32>, f64)]| {
+            let candidates = candidates
+                .iter()
+                .map(|&(detection, probability)| Candidate {
+                    detection,
+                    probability,
+                });
+            let best = candidates.fold(None, Candidate::more_probable);
+            best.map(|best| (best.detection, best.probability))
+        };
+        let tied = [(None, 0.4), (Some(7), 0.4), (Some(3), 0.4)];
+        assert_eq!(of(&tied), Some((Some(7), 0.4)));
+        assert_eq!(of(&[(Some(1), f64::NAN), (None, 0.0)]), Some((None, 0.0)));
+        assert_eq!(of(&[(Some(1), f64::NAN)]), None);
+    }
 
     fn kinematics<const N: usize>() -> Kinematics {
         let state = GaussianState::<N> {

@@ -26,8 +26,7 @@ struct Crowd(Vec<Stander>);
 
 impl Crowd {
     fn sort(&mut self) {
-        self.0
-            .sort_unstable_by(|a, b| a.place_m.x.total_cmp(&b.place_m.x));
+        self.0.sort_by(|a, b| a.place_m.x.total_cmp(&b.place_m.x));
     }
 
     /// The nearest within the gate.

@@ -83,10 +83,7 @@ impl<'a> Reader<'a> {
 
     /// The most probable candidate; `None` where nothing is said.
     fn best(&self, point: &TrackPoint) -> Option<Option<u32>> {
-        let candidates = self.tracks?.candidates_of(point);
-        let best = candidates
-            .iter()
-            .max_by(|a, b| a.probability.total_cmp(&b.probability))?;
+        let best = self.tracks?.most_probable(point)?;
         Some(best.detection)
     }
 

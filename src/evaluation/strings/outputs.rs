@@ -390,26 +390,10 @@ impl Reader<'_, '_> {
 
 /// The most probable candidate; ε when there is none.
 fn decide(candidates: impl Iterator<Item = Candidate>) -> StringStep {
-    let best = candidates.fold(None, more_probable);
+    let best = candidates.fold(None, Candidate::more_probable);
     best.map_or(StringStep::NOTHING, |best| StringStep {
         symbol: best.detection,
         weight: best.probability,
-    })
-}
-
-/// The better of two candidates, the earlier one first; a probability that is not a number never wins.
-fn more_probable(best: Option<Candidate>, next: Candidate) -> Option<Candidate> {
-    if next.probability.is_nan() {
-        return best;
-    }
-    let Some(kept) = best else { return Some(next) };
-    let tie_to_detection = next.probability == kept.probability
-        && kept.detection.is_none()
-        && next.detection.is_some();
-    Some(if next.probability > kept.probability || tie_to_detection {
-        next
-    } else {
-        kept
     })
 }
 

@@ -9,7 +9,7 @@ use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::space::Space;
 use crate::model::state::Position;
-use crate::model::track::{TrackPoint, TrackSet};
+use crate::model::track::TrackSet;
 use crate::model::truth::{Target, TruthSet};
 use crate::simulation::{LocalTracks, SensorTracks, simulate_local_tracks};
 use std::collections::BTreeMap;
@@ -139,19 +139,12 @@ pub fn by_detections(tracks: &TrackSet, recording: &Recording) -> Vec<Option<u32
         let detections = track
             .points
             .iter()
-            .filter_map(|point| best_detection(tracks, point));
+            .filter_map(|point| tracks.most_probable(point)?.detection);
         targets.push(most_frequent(
             detections.map(|detection| index.get(detection as usize)?.origin),
         ));
     }
     targets
-}
-
-fn best_detection(tracks: &TrackSet, point: &TrackPoint) -> Option<u32> {
-    let candidates = tracks.candidates_of(point).iter();
-    candidates
-        .max_by(|left, right| left.probability.total_cmp(&right.probability))?
-        .detection
 }
 
 impl Nodes {

@@ -1,8 +1,8 @@
 //! How the probability of every track was shared at each of its points: the picture of all tracks over time.
 
+use super::Window;
 use super::layers::JobLayers;
 use super::origins::Origins;
-use super::{Window, most_probable};
 use crate::model::track::{Track, TrackPoint, TrackSet};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -221,7 +221,8 @@ fn shares_by_rank(set: &TrackSet, point: &TrackPoint) -> Shares {
         .iter()
         .filter(|candidate| candidate.detection.is_some());
     let sum: f64 = detections.map(|candidate| candidate.probability).sum();
-    let best = most_probable(set, point)
+    let best = set
+        .most_probable(point)
         .filter(|candidate| candidate.detection.is_some())
         .map_or(0.0, |candidate| candidate.probability);
     Shares {

@@ -3,7 +3,7 @@
 
 use super::layers::JobLayers;
 use super::plan::sensor_places;
-use super::{Method, Reduced, Seen, Window, detections, most_probable, points};
+use super::{Method, Reduced, Seen, Window, detections, points};
 use crate::model::scan::{Measurement, Recording};
 use crate::model::space::Space;
 use crate::model::state::Position;
@@ -180,7 +180,9 @@ fn track_rows<'a>(set: &'a TrackSet, window: &Window) -> Vec<Row<'a>> {
         return Vec::new();
     }
     let row = |(track_id, point): (&'a str, &'a TrackPoint)| {
-        let detection = most_probable(set, point).and_then(|candidate| candidate.detection);
+        let detection = set
+            .most_probable(point)
+            .and_then(|candidate| candidate.detection);
         let estimate = &point.estimate;
         let variance = estimate.covariance.as_ref().map(|elements| elements[0]);
         Row {

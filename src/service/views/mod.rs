@@ -96,14 +96,6 @@ fn points<'a>(
     all.filter(|(_, point)| window.holds(point.time_s))
 }
 
-/// The candidate with the greatest probability; the first of equals.
-fn most_probable<'a>(set: &'a TrackSet, point: &TrackPoint) -> Option<&'a Candidate> {
-    set.candidates_of(point)
-        .iter()
-        .rev()
-        .max_by(|a, b| a.probability.total_cmp(&b.probability))
-}
-
 /// The detection that a candidate names; `None` is ε.
 fn detection_id(set: &TrackSet, candidate: &Candidate) -> Option<String> {
     candidate

@@ -3,8 +3,7 @@
 use super::heights;
 use super::layers::JobLayers;
 use super::{
-    Density, Method, Reduced, Seen, Window, detection_id, detections, most_probable, place, points,
-    scans,
+    Density, Method, Reduced, Seen, Window, detection_id, detections, place, points, scans,
 };
 use crate::model::scan::{Detection, Recording};
 use crate::model::state::Position;
@@ -303,7 +302,7 @@ fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLay
     let variables = 2 * set.space.axes();
     let variance =
         |row: usize, element: usize| Some(rows[row].1.estimate.covariance.as_ref()?[element]);
-    let candidate = |row: usize| most_probable(set, rows[row].1);
+    let candidate = |row: usize| set.most_probable(rows[row].1);
     let columns = TrackColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
         track_id: kept.column(|row| rows[row].0.to_owned()),
@@ -313,7 +312,7 @@ fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLay
         vy_mps: kept.column(|row| velocity(row).map(|velocity_mps| velocity_mps.y)),
         status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
         detection_id: kept
-            .column(|row| candidate(row).and_then(|candidate| detection_id(set, candidate))),
+            .column(|row| candidate(row).and_then(|candidate| detection_id(set, &candidate))),
         probability: kept.column(|row| candidate(row).map(|candidate| candidate.probability)),
         p_xx: kept.column(|row| variance(row, 0)),
         p_xy: kept.column(|row| variance(row, 1)),

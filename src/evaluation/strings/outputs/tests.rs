@@ -5,7 +5,7 @@ use super::*;
 fn decide(candidates: &[(Option<u32>, f64)]) -> Option<Option<u32>> {
     candidates_of(candidates)
         .into_iter()
-        .fold(None, more_probable)
+        .fold(None, Candidate::more_probable)
         .map(|decision| decision.detection)
 }
 
