@@ -378,6 +378,8 @@ fn scene(targets: u32) -> (Scenario, Recording) {
         scan_period_s: 8.0,
         sensors: vec![ScenarioSensor {
             in_space: Default::default(),
+            sight: Default::default(),
+            timing: Default::default(),
             lat_deg: None,
             lon_deg: None,
             sensor_id: "radar".into(),
@@ -617,6 +619,8 @@ fn associator(method: &str, parameters: &serde_json::Value) -> Box<dyn Associato
 fn dense_scene() -> (Scenario, Recording) {
     let sensor = ScenarioSensor {
         in_space: Default::default(),
+        sight: Default::default(),
+        timing: Default::default(),
         lat_deg: None,
         lon_deg: None,
         sensor_id: "radar".into(),

@@ -94,6 +94,8 @@ fn scene(side: u32) -> (Scenario, Recording) {
     };
     let sensor = ScenarioSensor {
         in_space: Default::default(),
+        sight: Default::default(),
+        timing: Default::default(),
         lat_deg: None,
         lon_deg: None,
         sensor_id: "radar".into(),

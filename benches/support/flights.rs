@@ -174,6 +174,8 @@ fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
     let max_range_m = 3_000.0;
     let sensor = ScenarioSensor {
         in_space: Default::default(),
+        sight: Default::default(),
+        timing: Default::default(),
         lat_deg: None,
         lon_deg: None,
         sensor_id: "radar".into(),

@@ -1,5 +1,11 @@
 //! A scenario: which targets move how, and which sensors watch them. Pure description; `simulation` plays it.
 
+mod sensor;
+
+pub use sensor::{
+    InSpace, ReportNoise, ScenarioSensor, ScenarioSight, ScenarioTiming, SensorCourse,
+};
+
 use super::space::{Frame, Space};
 use serde::{Deserialize, Serialize};
 
@@ -65,180 +71,6 @@ pub enum Coverage {
     Duplicates { count: u32 },
 }
 
-/// A sensor with uniform clutter in its field of view; what it reports is told by the noises that are given. Its density of
-/// clutter is stated in one way: a mean number a scan or, of bearings alone, a number per degree. Neither is no clutter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ScenarioSensor {
-    pub sensor_id: String,
-    pub x_m: f64,
-    pub y_m: f64,
-    /// Of a sensor that moves from there.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub course: Option<SensorCourse>,
-    /// In place of `x_m` and `y_m` where the scene has an origin on the Earth.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lat_deg: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub lon_deg: Option<f64>,
-    /// Needed wherever targets have places.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub max_range_m: Option<f64>,
-    pub p_d: f64,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sigma_x_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sigma_y_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sigma_range_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sigma_bearing_deg: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sigma_range_rate_mps: Option<f64>,
-    /// Mean number of false detections in a scan.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clutter_per_scan: Option<f64>,
-    /// Variance of that number over its mean; a Poisson number when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clutter_dispersion: Option<f64>,
-    /// False detections per degree and scan, of a sensor of bearings alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clutter_per_deg: Option<f64>,
-    /// With `clutter_per_deg`: false detections lie at most this far from the true bearing of a target.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clutter_within_deg: Option<f64>,
-    /// Mean signal-to-noise ratio of a target's echo, which fluctuates as Swerling 1 has it: with it detections have
-    /// amplitudes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub snr_db: Option<f64>,
-    #[serde(flatten)]
-    pub in_space: InSpace,
-}
-
-/// What a sensor has besides where targets are in space.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct InSpace {
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub z_m: Option<f64>,
-    /// Above the ellipsoid, with a latitude and longitude.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub height_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sigma_z_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sigma_elevation_deg: Option<f64>,
-    /// False detections are uniform over the field of view and up to so far above the sensor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub clutter_height_m: Option<f64>,
-}
-
-/// How high false detections lie where a scenario does not say it.
-const CLUTTER_HEIGHT_M: f64 = 10_000.0;
-
-/// How a sensor moves from time 0: leg by leg, then straight on.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SensorCourse {
-    pub vx_mps: f64,
-    pub vy_mps: f64,
-    pub segments: Vec<Segment>,
-}
-
-impl ScenarioSensor {
-    /// How far above the sensor its false detections reach, if it tells heights.
-    pub fn clutter_height_m(&self) -> f64 {
-        self.in_space.clutter_height_m.unwrap_or(CLUTTER_HEIGHT_M)
-    }
-
-    /// False detections per cubic metre and scan; `None` where the field of view has no size.
-    pub fn clutter_per_m3(&self) -> Option<f64> {
-        let per_m2 = self.clutter_per_m2()?;
-        Some(per_m2 / self.clutter_height_m())
-    }
-
-    /// Whether its reports tell heights.
-    pub fn tells_heights(&self) -> bool {
-        self.in_space.sigma_z_m.is_some() || self.in_space.sigma_elevation_deg.is_some()
-    }
-
-    /// `None` unless the noises of exactly one kind of report are given.
-    pub fn noise(&self) -> Option<ReportNoise> {
-        let sigma_range_rate_mps = self.sigma_range_rate_mps;
-        if sigma_range_rate_mps.is_some() && self.sigma_range_m.is_none() {
-            return None;
-        }
-        let InSpace {
-            sigma_z_m,
-            sigma_elevation_deg,
-            ..
-        } = self.in_space;
-        if (sigma_z_m.is_some() && self.sigma_x_m.is_none())
-            || (sigma_elevation_deg.is_some() && self.sigma_bearing_deg.is_none())
-        {
-            return None;
-        }
-        match (
-            self.sigma_x_m,
-            self.sigma_y_m,
-            self.sigma_range_m,
-            self.sigma_bearing_deg,
-        ) {
-            (Some(sigma_x_m), Some(sigma_y_m), None, None) => Some(ReportNoise::Position {
-                sigma_x_m,
-                sigma_y_m,
-                sigma_z_m,
-            }),
-            (None, None, Some(sigma_range_m), Some(sigma_bearing_deg)) => {
-                let sigma_bearing_rad = sigma_bearing_deg.to_radians();
-                Some(ReportNoise::RangeBearing {
-                    sigma_range_m,
-                    sigma_bearing_rad,
-                    sigma_elevation_rad: sigma_elevation_deg.map(f64::to_radians),
-                    sigma_range_rate_mps,
-                })
-            }
-            (None, None, None, Some(sigma_bearing_deg)) => Some(ReportNoise::Bearing {
-                sigma_bearing_rad: sigma_bearing_deg.to_radians(),
-                sigma_elevation_rad: sigma_elevation_deg.map(f64::to_radians),
-            }),
-            _ => None,
-        }
-    }
-
-    /// Mean number of false detections in a scan, if they lie in the whole field of view.
-    pub fn mean_clutter(&self) -> f64 {
-        self.clutter_per_scan
-            .or(self.clutter_per_deg.map(|per_deg| 360.0 * per_deg))
-            .unwrap_or(0.0)
-    }
-
-    /// False detections per square metre of the field of view and scan; `None` where that has no size.
-    pub fn clutter_per_m2(&self) -> Option<f64> {
-        self.max_range_m
-            .map(|range_m| self.mean_clutter() / (std::f64::consts::PI * range_m * range_m))
-    }
-}
-
-/// The noise of what a simulated sensor reports.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ReportNoise {
-    /// With heights where their noise is given.
-    Position {
-        sigma_x_m: f64,
-        sigma_y_m: f64,
-        sigma_z_m: Option<f64>,
-    },
-    /// With elevations and range rates where their noise is given.
-    RangeBearing {
-        sigma_range_m: f64,
-        sigma_bearing_rad: f64,
-        sigma_elevation_rad: Option<f64>,
-        sigma_range_rate_mps: Option<f64>,
-    },
-    Bearing {
-        sigma_bearing_rad: f64,
-        sigma_elevation_rad: Option<f64>,
-    },
-}
-
 /// How the targets are chosen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -264,6 +96,11 @@ impl TargetPlan {
         match self {
             TargetPlan::Bearings(_) => Space::Bearing,
             TargetPlan::Listed { targets } if targets.iter().any(ListedTarget::has_height) => {
+                Space::Volume
+            }
+            TargetPlan::Maneuvering { targets }
+                if targets.iter().any(ManeuveringTarget::has_height) =>
+            {
                 Space::Volume
             }
             _ => Space::Plane,
@@ -355,11 +192,20 @@ pub struct ManeuveringTarget {
     pub y_m: f64,
     pub vx_mps: f64,
     pub vy_mps: f64,
+    /// A height or a climb of one target makes the scene a volume; those without are at 0 there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z_m: Option<f64>,
     /// From then on it is there, and its first segment begins.
     pub start_s: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_s: Option<f64>,
     pub segments: Vec<Segment>,
+}
+
+impl ManeuveringTarget {
+    fn has_height(&self) -> bool {
+        self.z_m.is_some() || self.segments.iter().any(Segment::climbs)
+    }
 }
 
 /// A leg of a course.
@@ -379,14 +225,24 @@ pub enum Segment {
         duration_s: f64,
         acceleration_mps2: f64,
     },
+    /// Straight over the ground; down where the rate is negative.
+    Climb {
+        duration_s: f64,
+        rate_mps: f64,
+    },
 }
 
 impl Segment {
+    pub fn climbs(&self) -> bool {
+        matches!(self, Segment::Climb { .. })
+    }
+
     pub fn duration_s(&self) -> f64 {
         match *self {
             Segment::Straight { duration_s }
             | Segment::Turn { duration_s, .. }
-            | Segment::Accelerate { duration_s, .. } => duration_s,
+            | Segment::Accelerate { duration_s, .. }
+            | Segment::Climb { duration_s, .. } => duration_s,
         }
     }
 }

@@ -39,11 +39,10 @@ impl Carrier {
         let place_m = Position::new(sensor.x_m, sensor.y_m);
         match &sensor.course {
             None => Carrier::Standing(place_m),
-            Some(course) => Carrier::Moving(Course::from_leg(
-                0.0,
-                (place_m, Position::new(course.vx_mps, course.vy_mps)),
-                &course.segments,
-            )),
+            Some(course) => {
+                let velocity_mps = Position::new(course.vx_mps, course.vy_mps);
+                Carrier::Moving(Course::of_sensor((place_m, velocity_mps), &course.segments))
+            }
         }
     }
 }

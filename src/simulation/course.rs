@@ -1,7 +1,8 @@
-//! The course of a target that manoeuvres, or of a sensor: legs one after another, each exact. Straight, on a circle at a constant rate, or with a
-//! constant acceleration along its heading; after the last one it goes on straight.
+//! The course of a target that manoeuvres, or of a sensor: legs one after another, each exact. Straight, on a circle at a constant rate,
+//! with a constant acceleration along its heading, or straight with a rate of climb; after the last one it goes on straight and level.
 
 use crate::model::scenario::{ManeuveringTarget, Segment};
+use crate::model::space::Space;
 use crate::model::state::Position;
 use crate::model::truth::TruthPoint;
 
@@ -9,6 +10,7 @@ use crate::model::truth::TruthPoint;
 pub(super) struct Course {
     from_s: f64,
     until_s: f64,
+    space: Space,
     /// In order of time; the last one has no end.
     legs: Vec<Leg>,
 }
@@ -21,6 +23,8 @@ struct Leg {
     /// To the left.
     turn_rate_radps: f64,
     acceleration_mps2: Position,
+    height_m: f64,
+    climb_mps: f64,
 }
 
 impl Leg {
@@ -37,6 +41,20 @@ impl Leg {
         let chord_m = turned(self.velocity_mps, half) * (t * half.sin() / half);
         (self.position_m + chord_m, turned(self.velocity_mps, angle))
     }
+
+    fn height_at(&self, time_s: f64) -> f64 {
+        self.height_m + self.climb_mps * (time_s - self.from_s)
+    }
+
+    /// The same, straight on and level.
+    fn steady(self) -> Self {
+        Leg {
+            turn_rate_radps: 0.0,
+            acceleration_mps2: Position::zeros(),
+            climb_mps: 0.0,
+            ..self
+        }
+    }
 }
 
 /// To the left.
@@ -49,55 +67,27 @@ fn turned(vector: Position, angle_rad: f64) -> Position {
 }
 
 impl Course {
-    pub fn of(target: &ManeuveringTarget) -> Self {
+    pub fn of(target: &ManeuveringTarget, space: Space) -> Self {
         let start = (
             Position::new(target.x_m, target.y_m),
             Position::new(target.vx_mps, target.vy_mps),
         );
+        let height_m = target.z_m.unwrap_or(0.0);
         Course {
             until_s: target.end_s.unwrap_or(f64::INFINITY),
-            ..Course::from_leg(target.start_s, start, &target.segments)
+            space,
+            legs: legs((target.start_s, start, height_m), &target.segments),
+            from_s: target.start_s,
         }
     }
 
-    /// From a place, with a velocity there, without end.
-    pub fn from_leg(
-        from_s: f64,
-        (position_m, velocity_mps): (Position, Position),
-        segments: &[Segment],
-    ) -> Self {
-        let mut legs = Vec::with_capacity(segments.len() + 1);
-        let mut leg = Leg {
-            from_s,
-            position_m,
-            velocity_mps,
-            turn_rate_radps: 0.0,
-            acceleration_mps2: Position::zeros(),
-        };
-        for segment in segments {
-            (leg.turn_rate_radps, leg.acceleration_mps2) = (0.0, Position::zeros());
-            match *segment {
-                Segment::Straight { .. } => {}
-                Segment::Turn { rate_degps, .. } => leg.turn_rate_radps = rate_degps.to_radians(),
-                Segment::Accelerate {
-                    acceleration_mps2, ..
-                } => {
-                    let heading = leg.velocity_mps.try_normalize(0.0);
-                    let heading = heading.unwrap_or_else(Position::zeros);
-                    leg.acceleration_mps2 = heading * acceleration_mps2;
-                }
-            }
-            legs.push(leg);
-            let end_s = leg.from_s + segment.duration_s();
-            (leg.position_m, leg.velocity_mps) = leg.at(end_s);
-            leg.from_s = end_s;
-        }
-        (leg.turn_rate_radps, leg.acceleration_mps2) = (0.0, Position::zeros());
-        legs.push(leg);
+    /// In the plane from time 0, without end.
+    pub fn of_sensor(start: (Position, Position), segments: &[Segment]) -> Self {
         Course {
-            from_s,
+            from_s: 0.0,
             until_s: f64::INFINITY,
-            legs,
+            space: Space::Plane,
+            legs: legs((0.0, start, 0.0), segments),
         }
     }
 
@@ -108,15 +98,59 @@ impl Course {
     /// Before the start as if it had been straight.
     pub fn point_at(&self, time_s: f64) -> TruthPoint {
         let after = self.legs.partition_point(|leg| leg.from_s <= time_s);
-        let (position_m, velocity_mps) = self.legs[after.saturating_sub(1)].at(time_s);
+        let leg = &self.legs[after.saturating_sub(1)];
+        let (position_m, velocity_mps) = leg.at(time_s);
+        if self.space == Space::Volume {
+            let place_m = position_m.push(leg.height_at(time_s));
+            return TruthPoint::in_space(time_s, place_m, velocity_mps.push(leg.climb_mps));
+        }
         TruthPoint::in_plane(time_s, position_m, Some(velocity_mps))
     }
 
     /// At the beginning or the end of a leg.
     pub fn fastest_mps(&self) -> f64 {
-        let speeds = self.legs.iter().map(|leg| leg.velocity_mps.norm());
-        speeds.fold(0.0, f64::max)
+        let speed_mps = |leg: &Leg| leg.velocity_mps.norm().hypot(leg.climb_mps);
+        self.legs.iter().map(speed_mps).fold(0.0, f64::max)
     }
+}
+
+/// From a time, a place with a velocity there, and a height.
+fn legs(
+    (from_s, (position_m, velocity_mps), height_m): (f64, (Position, Position), f64),
+    segments: &[Segment],
+) -> Vec<Leg> {
+    let mut legs = Vec::with_capacity(segments.len() + 1);
+    let mut leg = Leg {
+        from_s,
+        position_m,
+        velocity_mps,
+        turn_rate_radps: 0.0,
+        acceleration_mps2: Position::zeros(),
+        height_m,
+        climb_mps: 0.0,
+    };
+    for segment in segments {
+        leg = leg.steady();
+        match *segment {
+            Segment::Straight { .. } => {}
+            Segment::Turn { rate_degps, .. } => leg.turn_rate_radps = rate_degps.to_radians(),
+            Segment::Accelerate {
+                acceleration_mps2, ..
+            } => {
+                let heading = leg.velocity_mps.try_normalize(0.0);
+                let heading = heading.unwrap_or_else(Position::zeros);
+                leg.acceleration_mps2 = heading * acceleration_mps2;
+            }
+            Segment::Climb { rate_mps, .. } => leg.climb_mps = rate_mps,
+        }
+        legs.push(leg);
+        let end_s = leg.from_s + segment.duration_s();
+        leg.height_m = leg.height_at(end_s);
+        (leg.position_m, leg.velocity_mps) = leg.at(end_s);
+        leg.from_s = end_s;
+    }
+    legs.push(leg.steady());
+    legs
 }
 
 #[cfg(test)]
@@ -125,16 +159,18 @@ mod tests {
 
     fn course(start: [f64; 4], segments: &[Segment]) -> Course {
         let [x_m, y_m, vx_mps, vy_mps] = start;
-        Course::of(&ManeuveringTarget {
+        let target = ManeuveringTarget {
             truth_id: "1".into(),
             x_m,
             y_m,
+            z_m: None,
             vx_mps,
             vy_mps,
             start_s: 0.0,
             end_s: None,
             segments: segments.to_vec(),
-        })
+        };
+        Course::of(&target, Space::Plane)
     }
 
     fn straight(duration_s: f64) -> Segment {
@@ -195,6 +231,55 @@ mod tests {
         // 50 m/s for a second, then 50 · 10 + 250 m along (0.6, −0.8).
         assert_at(&course, 11.0, [480.0, -640.0, 60.0, -80.0]);
         assert!((course.fastest_mps() - 100.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_climb_is_straight_over_the_ground_and_level_after_it() {
+        let climb = |rate_mps| Segment::Climb {
+            duration_s: 60.0,
+            rate_mps,
+        };
+        let target = ManeuveringTarget {
+            truth_id: "1".into(),
+            x_m: 0.0,
+            y_m: 0.0,
+            z_m: Some(3000.0),
+            vx_mps: 0.0,
+            vy_mps: 100.0,
+            start_s: 10.0,
+            end_s: None,
+            segments: vec![straight(20.0), climb(8.0), turn(9.0, -10.0), climb(-5.0)],
+        };
+        let course = Course::of(&target, Space::Volume);
+        // Level for 20 s, up 480 m in 60 s, a quarter of a circle of 572.958 m to the right, down 300 m, and level again.
+        let radius_m = 100.0 * 18.0 / std::f64::consts::PI;
+        let expected = [
+            (10.0, [0.0, 0.0, 3000.0], [0.0, 100.0, 0.0]),
+            (60.0, [0.0, 5000.0, 3240.0], [0.0, 100.0, 8.0]),
+            (
+                99.0,
+                [radius_m, 8000.0 + radius_m, 3480.0],
+                [100.0, 0.0, -5.0],
+            ),
+            (
+                109.0,
+                [radius_m + 1000.0, 8000.0 + radius_m, 3430.0],
+                [100.0, 0.0, -5.0],
+            ),
+            (
+                169.0,
+                [radius_m + 7000.0, 8000.0 + radius_m, 3180.0],
+                [100.0, 0.0, 0.0],
+            ),
+        ];
+        for (time_s, place_m, velocity_mps) in expected {
+            let point = course.point_at(time_s);
+            let off_m = (point.position - crate::model::space::Place::from(place_m)).norm();
+            let velocity = point.velocity.unwrap();
+            let off_mps = (velocity - crate::model::space::Place::from(velocity_mps)).norm();
+            assert!(off_m < 1e-8 && off_mps < 1e-8, "{time_s}: {point:?}");
+        }
+        assert!((course.fastest_mps() - 100.0_f64.hypot(8.0)).abs() < 1e-12);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod bearing_time;
 mod carriers;
+mod clutter;
 mod course;
 mod coverage;
 mod echoes;
@@ -9,20 +10,26 @@ mod local_tracks;
 mod meeting;
 mod radar;
 mod recorded;
+mod schedule;
 mod sensors;
 mod spline;
 mod targets;
+mod view;
 mod weaving;
 
 pub use bearing_time::{RECORD, SimulatedRecord, row_count, simulate_record};
 pub use carriers::first_pose;
 pub use local_tracks::{LOCAL_TRACKS, LocalTracks, SensorTracks, simulate_local_tracks};
+pub use schedule::step_count;
 pub use sensors::settings as sensor_settings;
 pub use targets::fastest_mps;
 
+use self::radar::Found;
+use self::schedule::Look;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
-use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
+use crate::model::own::{Own, whole};
+use crate::model::scan::{Measurement, Recording, RecordingParts, Scan};
 use crate::model::scenario::{BearingTargets, ManeuveringTarget, Scenario, TargetPlan};
 use crate::model::sensing::Site;
 use crate::model::truth::TruthSet;
@@ -146,42 +153,42 @@ pub fn simulate_recorded(
         .map(|sensor| recorded::site_of(sensor, scenario.origin))
         .collect();
     let start_s = played.as_ref().map_or(0.0, |played| played.start_s);
-    let times: Vec<f64> = (0..scenario.scans)
-        .map(|scan| start_s + f64::from(scan) * scenario.scan_period_s)
-        .collect();
+    let looks = schedule::looks(scenario, start_s);
     let coverage = coverage::Coverage::new(scenario, seed);
     let carriers = carriers::Carriers::new(scenario);
-    let (mut truth, seen) = observed_truth(scenario, &paths, (&coverage, &carriers), &times)?;
+    let views: Vec<view::View> = scenario.sensors.iter().map(view::View::of).collect();
+    let watchers = Watchers {
+        scenario,
+        coverage: &coverage,
+        carriers: &carriers,
+        views: &views,
+    };
+    let (mut truth, seen) = watchers.observed_truth(&paths, &schedule::times_s(&looks))?;
     truth.frame = scenario.origin;
     let mut parts = without_scans(scenario, &truth);
     let fastest_mps = paths
         .iter()
         .map(targets::Path::speed_mps)
         .fold(0.0, f64::max);
-    let radars = || {
-        let sensors = scenario.sensors.iter().enumerate();
-        sensors.filter_map(|(index, sensor)| {
-            Some(radar::Radar {
-                sensor,
-                index,
-                noise: sensor.noise()?,
-                coverage: &coverage,
-                carriers: &carriers,
-                fastest_mps,
-                space: scenario.targets.space(),
-                site: sites[index],
-            })
-        })
+    let scene = Scene {
+        watchers,
+        fastest_mps,
+        sites,
     };
-    for (index, &time_s) in times.iter().enumerate() {
-        for radar in radars() {
-            let found = radar::scan(radar, index as u64, time_s, &paths, &seen, seed);
-            append_scan(&mut parts, radar.index, time_s, found);
-            if let Some(scan) = parts.scans.last_mut() {
-                scan.pose = carriers.pose(radar.index, time_s);
-            }
+    let mut steps = 0;
+    for (index, look) in looks.iter().enumerate() {
+        let Some(radar) = scene.radar(look.sensor) else {
+            continue;
+        };
+        let found = radar::scan(radar, look.number, look.made_s, &paths, &seen, seed);
+        append_scan(&mut parts, look, found);
+        if let Some(scan) = parts.scans.last_mut() {
+            scan.pose = carriers.pose(look.sensor, look.made_s);
         }
-        if progress(index as u64 + 1).is_break() {
+        let next = looks.get(index + 1);
+        let is_last = next.is_none_or(|next| next.time_s != look.time_s);
+        steps += u64::from(is_last);
+        if is_last && progress(steps).is_break() {
             return Ok(None);
         }
     }
@@ -253,52 +260,98 @@ fn duplicate_faults<'a>(
         .collect()
 }
 
-/// The truth of every target that some sensor could see, and for each path its index among those.
-fn observed_truth(
-    scenario: &Scenario,
-    paths: &[targets::Path],
-    (coverage, carriers): (&coverage::Coverage, &carriers::Carriers),
-    times: &[f64],
-) -> Result<(TruthSet, Vec<Option<u32>>), Vec<Fault>> {
-    let mut observed = Vec::new();
-    let mut seen = Vec::with_capacity(paths.len());
-    for (index, path) in paths.iter().enumerate() {
-        let is_visible = |time_s: &f64| {
-            if !path.exists_at(*time_s) {
-                return false;
-            }
-            let point = path.point_at(*time_s);
-            let mut sensors = scenario.sensors.iter().enumerate();
-            sensors.any(|(sensor_index, sensor)| {
-                coverage.includes(sensor_index, index)
-                    && radar::is_in_view(
-                        (sensor, carriers.place_m(sensor_index, *time_s)),
-                        scenario.targets.space(),
-                        &point,
-                    )
-            })
-        };
-        let first = times.iter().position(is_visible);
-        let last = times.iter().rposition(is_visible);
-        seen.push(first.map(|_| observed.len() as u32));
-        if let (Some(first), Some(last)) = (first, last) {
-            let between = &times[first..=last];
-            let is_recorded = matches!(scenario.targets, TargetPlan::Recorded(_));
-            // A recorded target may leave the sight of all sensors and come back.
-            observed.push(if is_recorded {
-                let seen: Vec<f64> = between.iter().copied().filter(is_visible).collect();
-                path.truth_at(&seen)
-            } else {
-                path.truth_at(between)
-            });
-        }
+/// What the sensors of a scenario work with.
+struct Scene<'s> {
+    watchers: Watchers<'s>,
+    fastest_mps: f64,
+    sites: Vec<Site>,
+}
+
+impl<'s> Scene<'s> {
+    /// `None` of a sensor that reports nothing.
+    fn radar(&self, index: usize) -> Option<radar::Radar<'s>> {
+        let Watchers {
+            scenario,
+            coverage,
+            carriers,
+            views,
+        } = self.watchers;
+        let sensor = &scenario.sensors[index];
+        Some(radar::Radar {
+            sensor,
+            index,
+            noise: sensor.noise()?,
+            view: &views[index],
+            coverage,
+            carriers,
+            fastest_mps: self.fastest_mps,
+            space: scenario.targets.space(),
+            site: self.sites[index],
+        })
     }
-    Ok((TruthSet::new(scenario.targets.space(), observed)?, seen))
+}
+
+/// What decides who sees whom.
+#[derive(Clone, Copy)]
+struct Watchers<'w> {
+    scenario: &'w Scenario,
+    coverage: &'w coverage::Coverage,
+    carriers: &'w carriers::Carriers,
+    views: &'w [view::View],
+}
+
+impl Watchers<'_> {
+    /// The truth of every target that some sensor could see, and for each path its index among those.
+    fn observed_truth(
+        &self,
+        paths: &[targets::Path],
+        times: &[f64],
+    ) -> Result<(TruthSet, Vec<Option<u32>>), Vec<Fault>> {
+        let space = self.scenario.targets.space();
+        let mut observed = Vec::new();
+        let mut seen = Vec::with_capacity(paths.len());
+        for (index, path) in paths.iter().enumerate() {
+            let is_visible = |time_s: &f64| self.see((index, path), *time_s);
+            let first = times.iter().position(is_visible);
+            let last = times.iter().rposition(is_visible);
+            seen.push(first.map(|_| observed.len() as u32));
+            if let (Some(first), Some(last)) = (first, last) {
+                let between = &times[first..=last];
+                let is_recorded = matches!(self.scenario.targets, TargetPlan::Recorded(_));
+                // A recorded target may leave the sight of all sensors and come back.
+                observed.push(if is_recorded {
+                    let seen: Vec<f64> = between.iter().copied().filter(is_visible).collect();
+                    path.truth_at(&seen)
+                } else {
+                    path.truth_at(between)
+                });
+            }
+        }
+        Ok((TruthSet::new(space, observed)?, seen))
+    }
+
+    /// Whether a sensor could see a target in a scan of that time, if it made one.
+    fn see(&self, (index, path): (usize, &targets::Path), time_s: f64) -> bool {
+        let space = self.scenario.targets.space();
+        for (number, sensor) in self.scenario.sensors.iter().enumerate() {
+            let made_s = time_s - sensor.timing.latency_s.unwrap_or(0.0);
+            let is_there = path.exists_at(time_s) && path.exists_at(made_s);
+            if !is_there || !self.coverage.includes(number, index) {
+                continue;
+            }
+            let place_m = self.carriers.place_m(number, made_s);
+            let point = path.point_at(made_s);
+            if radar::p_d((sensor, place_m), &self.views[number], space, &point) > 0.0 {
+                return true;
+            }
+        }
+        false
+    }
 }
 
 /// Appends one scan. Detections are sorted by what was measured, so that their order tells nothing of their origin.
-fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found: Vec<Detection>) {
-    let values = |detection: &Detection| match detection.measurement.flat() {
+fn append_scan(parts: &mut RecordingParts, look: &Look, mut found: Vec<Found>) {
+    let values = |found: &Found| match found.detection.measurement.flat() {
         Measurement::Position { x_m, y_m } => (x_m, y_m),
         Measurement::RangeBearing {
             range_m,
@@ -318,13 +371,16 @@ fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found
     parts
         .detection_ids
         .extend((1..=found.len()).map(|index| format!("{number}-{index}")));
-    found.shrink_to_fit();
+    let own = found.iter().map(|found| Own {
+        velocity_mps: found.velocity_mps,
+        ..Own::default()
+    });
     parts.scans.push(Scan {
         number,
-        time_s,
-        sensor,
+        time_s: look.time_s,
+        sensor: look.sensor,
         pose: None,
-        own: Vec::new(),
-        detections: found,
+        own: whole(own.collect()),
+        detections: found.into_iter().map(|found| found.detection).collect(),
     });
 }

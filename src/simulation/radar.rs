@@ -1,22 +1,22 @@
-//! One scan of a sensor that reports positions, ranges and bearings, or bearings alone: detection with probability P_D,
-//! Gaussian noise on each value, and a Poisson number of false detections uniform over the field of view. Where a sensor of
-//! bearings has false detections near targets only, those elsewhere are left out: the others stay what they were, and where
-//! targets are close together each degree counts once.
+//! One scan of a sensor that reports positions, ranges and bearings, or bearings alone: detection with probability P_D where it sees,
+//! and Gaussian noise on each value; the [false detections](super::clutter) are drawn besides.
 
 use super::carriers::Carriers;
+use super::clutter;
 use super::coverage::Coverage;
 use super::echoes::Echoes;
 use super::targets::Path;
+use super::view::View;
 use crate::math::rng::{Purpose, Seed};
-use crate::model::angle::wrap;
 use crate::model::scan::{Detection, Measurement};
 use crate::model::scenario::{ReportNoise, ScenarioSensor};
 use crate::model::sensing::Site;
+use crate::model::sight::Spot;
 use crate::model::space::{Place, Space};
 use crate::model::state::Position;
 use crate::model::truth::TruthPoint;
 use rand::{Rng, RngExt};
-use rand_distr::{Distribution, Gamma, Poisson, StandardNormal};
+use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A sensor at work.
@@ -26,6 +26,7 @@ pub(super) struct Radar<'a> {
     /// Its place among the sensors of the scenario.
     pub index: usize,
     pub noise: ReportNoise,
+    pub view: &'a View,
     pub coverage: &'a Coverage,
     pub carriers: &'a Carriers,
     /// Speed of the fastest target of the scene: range rates of false detections are uniform between it and its opposite.
@@ -36,20 +37,37 @@ pub(super) struct Radar<'a> {
     pub site: Site,
 }
 
-/// Whether a place is inside the sensor's field of view: directions always are. In space that is a half ball.
-pub(super) fn is_in_view(
+/// A detection, and the velocity over ground that it tells.
+pub(super) struct Found {
+    pub detection: Detection,
+    pub velocity_mps: Option<[f64; 2]>,
+}
+
+/// How probably a sensor at a place detects a target; 0 outside its field of view, which in space is a part of a half ball. Directions
+/// have no range.
+pub(super) fn p_d(
     (sensor, place_m): (&ScenarioSensor, Position),
+    view: &View,
     space: Space,
     point: &TruthPoint,
-) -> bool {
+) -> f64 {
+    if !space.has_places() {
+        return view.p_d(&Spot {
+            bearing_rad: point.position.x,
+            range_m: None,
+        });
+    }
     let from_m = Place::new(place_m.x, place_m.y, sensor.in_space.z_m.unwrap_or(0.0));
-    let range_m = if space == Space::Volume {
-        (point.position - from_m).norm()
-    } else {
-        (point.position.xy() - place_m).norm()
+    let spot = Spot::of_place(&point.position.xy(), &place_m);
+    let is_near = |max_range_m| match space {
+        Space::Volume => (point.position - from_m).norm() <= max_range_m,
+        _ => true,
     };
-    let is_near = |max_range_m| range_m <= max_range_m;
-    !space.has_places() || sensor.max_range_m.is_some_and(is_near)
+    if sensor.max_range_m.is_some_and(is_near) {
+        view.p_d(&spot)
+    } else {
+        0.0
+    }
 }
 
 /// The detections of one scan, targets first. `seen[path]` is the index of the path's target in the recording.
@@ -60,128 +78,72 @@ pub(super) fn scan(
     paths: &[Path],
     seen: &[Option<u32>],
     seed: Seed,
-) -> Vec<Detection> {
+) -> Vec<Found> {
     let mut found = Vec::new();
     let mut bearings_rad = Vec::new();
-    let echoes = Echoes::of(radar.sensor);
+    let place_m = radar.place_m(time_s);
     for (index, path) in paths.iter().enumerate() {
-        if !path.exists_at(time_s) {
+        if !path.exists_at(time_s) || !radar.coverage.includes(radar.index, index) {
             continue;
         }
         let point = path.point_at(time_s);
-        if radar.coverage.includes(radar.index, index)
-            && is_in_view((radar.sensor, radar.place_m(time_s)), radar.space, &point)
-        {
+        let p_d = p_d((radar.sensor, place_m), radar.view, radar.space, &point);
+        if p_d > 0.0 {
             bearings_rad.push(radar.bearing_rad(&point).rem_euclid(TAU));
             let entity = ((radar.index as u64) << 32) | index as u64;
             let mut draw = seed.stream(Purpose::Detection, entity, scan_index);
-            if draw.random::<f64>() < radar.sensor.p_d {
-                let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
-                let report = radar.report(&point, errors);
+            if draw.random::<f64>() < p_d {
                 // A stream of its own: with amplitudes and without a scene is the same.
                 let mut strength = seed.stream(Purpose::Amplitude, entity, scan_index);
-                found.extend(report.map(|measurement| Detection {
-                    measurement,
-                    origin: seen[index],
-                    amplitude: echoes.map(|echoes| echoes.of_target(&mut strength)),
-                }));
+                found.extend(radar.detect(&point, seen[index], (&mut draw, &mut strength)));
             }
         }
     }
     bearings_rad.sort_by(f64::total_cmp);
-    radar.add_clutter((scan_index, time_s), &bearings_rad, seed, &mut found);
+    clutter::add_clutter(radar, (scan_index, time_s), &bearings_rad, seed, &mut found);
     found
 }
 
-/// How many false detections a scan has: a Poisson number, whose mean is itself of a gamma distribution where the number is more
-/// dispersed. With shape μ/(a − 1) and scale a − 1 that has mean μ and variance a μ in all (negative binomial).
-fn clutter_count(sensor: &ScenarioSensor, draw: &mut impl Rng) -> u64 {
-    let mut mean = sensor.mean_clutter();
-    let excess = sensor.clutter_dispersion.unwrap_or(1.0) - 1.0;
-    if excess > 0.0
-        && let Ok(rate) = Gamma::new(mean / excess, excess)
-    {
-        mean = rate.sample(draw);
-    }
-    // A mean of zero is no distribution at all: then there is no clutter.
-    Poisson::new(mean).map_or(0.0, |count| count.sample(draw)) as u64
-}
-
 impl Radar<'_> {
-    /// `bearings_rad`: where the targets in view really are, in rising order.
-    fn add_clutter(
+    /// A detection of a target, with draws for its errors and for its strength.
+    fn detect<R: Rng>(
         &self,
-        (scan_index, time_s): (u64, f64),
-        bearings_rad: &[f64],
-        seed: Seed,
-        found: &mut Vec<Detection>,
-    ) {
-        let sensor = self.sensor;
-        let (echoes, place_m) = (Echoes::of(sensor), self.place_m(time_s));
-        let mut draw = seed.stream(Purpose::Clutter, self.index as u64, scan_index);
-        let mut strength = seed.stream(Purpose::Amplitude, self.all_noise(), scan_index);
-        let number = clutter_count(sensor, &mut draw);
-        for _ in 0..number {
-            let range_m = sensor.max_range_m.unwrap_or(0.0) * draw.random::<f64>().sqrt();
-            let bearing_rad = TAU * draw.random::<f64>();
-            let (x_m, y_m) = (
-                place_m.x + range_m * bearing_rad.sin(),
-                place_m.y + range_m * bearing_rad.cos(),
-            );
-            let measurement = match self.noise {
-                _ if sensor.tells_heights() => {
-                    let rise_m = sensor.clutter_height_m() * draw.random::<f64>();
-                    let rate_mps = self.fastest_mps * (2.0 * draw.random::<f64>() - 1.0);
-                    self.high_clutter((range_m, bearing_rad, rise_m), rate_mps)
-                }
-                ReportNoise::Position { .. } => Measurement::Position { x_m, y_m },
-                ReportNoise::RangeBearing {
-                    sigma_range_rate_mps,
-                    ..
-                } => {
-                    let range_rate_mps = sigma_range_rate_mps
-                        .map(|_| self.fastest_mps * (2.0 * draw.random::<f64>() - 1.0));
-                    Measurement::RangeBearing {
-                        range_m,
-                        bearing_rad,
-                        range_rate_mps,
-                    }
-                }
-                ReportNoise::Bearing { .. } if self.leaves_out(bearing_rad, bearings_rad) => {
-                    continue;
-                }
-                ReportNoise::Bearing { .. } => Measurement::Bearing { bearing_rad },
-            };
-            found.push(Detection {
-                measurement,
-                origin: None,
-                amplitude: echoes.map(|echoes| echoes.of_noise(&mut strength)),
-            });
-        }
-    }
-
-    /// The entity of all false detections of the sensor: no target of it has this number.
-    fn all_noise(&self) -> u64 {
-        ((self.index as u64) << 32) | u64::from(u32::MAX)
-    }
-
-    /// Whether a false detection is too far from every target.
-    fn leaves_out(&self, bearing_rad: f64, bearings_rad: &[f64]) -> bool {
-        let Some(within_deg) = self.sensor.clutter_within_deg else {
-            return false;
+        point: &TruthPoint,
+        origin: Option<u32>,
+        (draw, strength): (&mut R, &mut R),
+    ) -> Option<Found> {
+        let errors: [f64; 4] = std::array::from_fn(|_| StandardNormal.sample(draw));
+        let measurement = self.report(point, errors)?;
+        let amplitude = Echoes::of(self.sensor).map(|echoes| echoes.of_target(strength));
+        let detection = Detection {
+            measurement,
+            origin,
+            amplitude,
         };
-        let after = bearings_rad.partition_point(|&other| other < bearing_rad);
-        let neighbours = [
-            bearings_rad.get(after).or(bearings_rad.first()),
-            bearings_rad[..after].last().or(bearings_rad.last()),
-        ];
-        !neighbours
-            .into_iter()
-            .flatten()
-            .any(|other| wrap(bearing_rad - other).abs() <= within_deg.to_radians())
+        Some(Found {
+            detection,
+            velocity_mps: self.velocity_mps(point, draw),
+        })
     }
 
-    fn place_m(&self, time_s: f64) -> Position {
+    /// Over ground, of a sensor that tells it: its noise is along the velocity and across it.
+    fn velocity_mps(&self, point: &TruthPoint, draw: &mut impl Rng) -> Option<[f64; 2]> {
+        let sight = &self.sensor.sight;
+        let sigma_mps = sight.sigma_speed_mps?;
+        let velocity_mps = point.velocity.unwrap_or_default().xy();
+        let speed_mps = velocity_mps.norm();
+        let along = velocity_mps.try_normalize(0.0).unwrap_or_else(Position::y);
+        let across = Position::new(along.y, -along.x);
+        let across_mps = sight
+            .sigma_course_deg
+            .map_or(sigma_mps, |sigma_deg| speed_mps * sigma_deg.to_radians());
+        let errors: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(draw));
+        let told =
+            velocity_mps + along * (errors[0] * sigma_mps) + across * (errors[1] * across_mps);
+        Some([told.x, told.y])
+    }
+
+    pub(super) fn place_m(&self, time_s: f64) -> Position {
         self.carriers.place_m(self.index, time_s)
     }
 
@@ -203,42 +165,6 @@ impl Radar<'_> {
     /// Where a target is from a sensor of a volume, on its own axes.
     fn offset_m(&self, point: &TruthPoint) -> Place {
         self.site.turn * (point.position - self.site.place_m)
-    }
-
-    /// A false detection so far along the ground and above a sensor that tells heights.
-    fn high_clutter(
-        &self,
-        (ground_m, bearing_rad, rise_m): (f64, f64, f64),
-        rate_mps: f64,
-    ) -> Measurement {
-        let offset_m = Place::new(
-            ground_m * bearing_rad.sin(),
-            ground_m * bearing_rad.cos(),
-            rise_m,
-        );
-        match self.noise {
-            ReportNoise::Position { .. } => {
-                let place_m = self.site.place_m + self.site.turn.transpose() * offset_m;
-                Measurement::Position3 {
-                    x_m: place_m.x,
-                    y_m: place_m.y,
-                    z_m: place_m.z,
-                }
-            }
-            ReportNoise::RangeBearing {
-                sigma_range_rate_mps,
-                ..
-            } => Measurement::RangeBearingElevation {
-                range_m: offset_m.norm(),
-                bearing_rad,
-                elevation_rad: rise_m.atan2(ground_m),
-                range_rate_mps: sigma_range_rate_mps.map(|_| rate_mps),
-            },
-            ReportNoise::Bearing { .. } => Measurement::BearingElevation {
-                bearing_rad,
-                elevation_rad: rise_m.atan2(ground_m),
-            },
-        }
     }
 
     /// What a sensor of a volume reports of a target: like [`Radar::report`]. Without heights ranges are slant ranges still.
@@ -364,40 +290,4 @@ impl Radar<'_> {
 /// No elevation is beyond straight up or down.
 fn within_quarter(elevation_rad: f64) -> f64 {
     elevation_rad.clamp(-FRAC_PI_2, FRAC_PI_2)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::json;
-
-    /// 40 000 scans of mean 10: mean and variance lie within four standard errors of 10 and of 10 and 200. The variance of a sample
-    /// variance is (κ₄ + 2σ⁴)/n; a negative binomial number has κ₄ = μ a (1 + 6 (a − 1) + 6 (a − 1)²), a Poisson one μ.
-    #[test]
-    fn clutter_has_the_stated_mean_and_variance() {
-        for dispersion in [None, Some(20.0)] {
-            let sensor: ScenarioSensor = serde_json::from_value(json!({
-                "sensor_id": "r", "x_m": 0.0, "y_m": 0.0, "p_d": 0.9, "clutter_per_scan": 10.0, "clutter_dispersion": dispersion
-            }))
-            .unwrap();
-            let seed = Seed { seed: 1, run: 0 };
-            let scans = 40_000;
-            let count =
-                |scan| clutter_count(&sensor, &mut seed.stream(Purpose::Clutter, 0, scan)) as f64;
-            let counts: Vec<f64> = (0..scans).map(count).collect();
-            let mean = counts.iter().sum::<f64>() / scans as f64;
-            let squares = counts.iter().map(|count| (count - mean).powi(2));
-            let variance = squares.sum::<f64>() / (scans - 1) as f64;
-            let a: f64 = dispersion.unwrap_or(1.0);
-            let expected = 10.0 * a;
-            let fourth = 10.0 * a * (1.0 + 6.0 * (a - 1.0) + 6.0 * (a - 1.0).powi(2));
-            let of_mean = (expected / scans as f64).sqrt();
-            let of_variance = ((fourth + 2.0 * expected * expected) / scans as f64).sqrt();
-            assert!((mean - 10.0).abs() < 4.0 * of_mean, "{mean}");
-            assert!(
-                (variance - expected).abs() < 4.0 * of_variance,
-                "{variance}"
-            );
-        }
-    }
 }

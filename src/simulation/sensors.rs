@@ -1,9 +1,15 @@
 //! The sensors of a scenario: whether what is told of one fits together and fits the targets, and what a tracker may know of it.
 
 use crate::model::fault::Fault;
-use crate::model::scenario::{ReportNoise, Scenario, ScenarioSensor, TargetPlan};
+use crate::model::scenario::{
+    ReportNoise, Scenario, ScenarioSensor, Segment, SensorCourse, TargetPlan,
+};
 use crate::model::sensor::SensorSettings;
 use crate::model::space::Space;
+
+/// What a single sensor may make.
+const MAX_SCANS: u64 = 100_000;
+const LIMITS: &str = "both bearings or neither; range_from_m below range_to_m";
 
 /// Noises that do not say what the sensor reports, places where targets have none, no field of view where they have, and
 /// clutter stated twice or of the wrong kind.
@@ -36,6 +42,18 @@ pub(super) fn faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario)
                 .allowing("> 0 m"),
         );
     }
+    let climbs = |course: &SensorCourse| course.segments.iter().any(Segment::climbs);
+    if sensor.course.as_ref().is_some_and(climbs) {
+        let detail = "a sensor moves in the plane";
+        faults.push(
+            Fault::new(
+                format!("/sensors/{index}/course/segments"),
+                "conflict",
+                detail,
+            )
+            .allowing("straight, turn, accelerate"),
+        );
+    }
     if sensor.course.is_some() && targets.space() != Space::Plane {
         let detail = "a sensor moves where targets are in the plane";
         faults.push(
@@ -61,6 +79,101 @@ pub(super) fn faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario)
         );
     }
     faults.extend(clutter_faults(index, sensor));
+    faults.extend(timing_faults(index, sensor, scenario));
+    faults.extend(sight_faults(index, sensor, scenario));
+    faults
+}
+
+/// Scans that nobody makes, too many, or those of a record.
+fn timing_faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario) -> Vec<Fault> {
+    let timing = &sensor.timing;
+    let named = [
+        ("scan_period_s", timing.scan_period_s),
+        ("first_scan_s", timing.first_scan_s),
+        ("latency_s", timing.latency_s),
+    ];
+    let told = named.iter().filter(|(_, value)| value.is_some());
+    let mut faults = Vec::new();
+    for (name, _) in told.filter(|_| scenario.record.is_some()) {
+        let detail = "a record is made without scans of its own";
+        faults.push(
+            Fault::new(format!("/sensors/{index}/{name}"), "conflict", detail)
+                .allowing("without 'record'"),
+        );
+    }
+    let scans = sensor.scan_count(scenario);
+    if scans == 0 || scans > MAX_SCANS {
+        let detail = format!("sensor '{}' would make {scans} scans", sensor.sensor_id);
+        faults.push(
+            Fault::new(format!("/sensors/{index}"), "out_of_range", detail).allowing(format!(
+                "1 to {MAX_SCANS} scans within scans · scan_period_s of the scenario"
+            )),
+        );
+    }
+    faults
+}
+
+/// Parts that are none, clutter of another kind than the sensor reports, velocities beside what is no place.
+fn sight_faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let mut refuse = |field: &str, code: &str, detail: String, allowed: &str| {
+        faults
+            .push(Fault::new(format!("/sensors/{index}/{field}"), code, detail).allowing(allowed));
+    };
+    let (name, sight) = (&sensor.sensor_id, &sensor.sight);
+    if sight.field_of_view.is_some_and(|view| !view.is_sound()) {
+        let detail = format!("the field of view of sensor '{name}' is no part of a plane");
+        refuse("field_of_view", "conflict", detail, LIMITS);
+    }
+    let in_space = scenario.targets.space() == Space::Volume;
+    for (number, sector) in sight.sectors.iter().flatten().enumerate() {
+        let field = format!("sectors/{number}");
+        if !sector.is_sound() {
+            let detail = format!("sector {number} of sensor '{name}' is no part of a plane");
+            refuse(&field, "conflict", detail, LIMITS);
+        }
+        let (wrong, wanted) = match reports_bearings(sensor) {
+            true => (sector.clutter_per_m2, "clutter_per_deg"),
+            false => (sector.clutter_per_deg, "clutter_per_m2"),
+        };
+        let is_of_space = in_space && sector.clutter_per_m2.or(sector.clutter_per_deg).is_some();
+        if wrong.is_some() || is_of_space {
+            let detail = format!(
+                "the clutter of sector {number} is not one of what sensor '{name}' reports"
+            );
+            let allowed = if in_space {
+                "p_d where targets are in space"
+            } else {
+                wanted
+            };
+            refuse(&field, "unsupported", detail, allowed);
+        }
+    }
+    let tells_places = matches!(sensor.noise(), Some(ReportNoise::Position { .. }));
+    if sight.sigma_speed_mps.is_some() && !tells_places {
+        let detail =
+            format!("sensor '{name}' does not report positions, with which velocities come");
+        refuse(
+            "sigma_speed_mps",
+            "conflict",
+            detail,
+            "with sigma_x_m, sigma_y_m",
+        );
+    }
+    if sight.sigma_course_deg.is_some() && sight.sigma_speed_mps.is_none() {
+        let detail = "the noise of a course needs that of the speed: 'sigma_speed_mps' is missing";
+        refuse(
+            "sigma_course_deg",
+            "missing",
+            detail.to_owned(),
+            "with sigma_speed_mps",
+        );
+    }
+    let has_sight = sight.field_of_view.is_some() || sight.sectors.is_some();
+    if has_sight && scenario.record.is_some() {
+        let detail = "a record shows all directions".to_owned();
+        refuse("field_of_view", "conflict", detail, "without 'record'");
+    }
     faults
 }
 
@@ -151,6 +264,10 @@ fn is_of_volume(sensor: &ScenarioSensor) -> bool {
 /// What a recording says of a sensor. Clutter is stated over what it reports: an area, or all directions.
 pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
     let reports_bearings = reports_bearings(sensor);
+    let sight = &sensor.sight;
+    // Parts of the ground take clutter per square metre.
+    let is_cut = sight.field_of_view.is_some() || sight.sectors.is_some();
+    let width_deg = sensor.view().arc_rad().1.to_degrees();
     SensorSettings {
         sensor_id: sensor.sensor_id.clone(),
         x_m: Some(sensor.x_m).filter(|_| sensor.course.is_none()),
@@ -159,14 +276,14 @@ pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         p_d: Some(sensor.p_d),
         clutter_per_m2: sensor
             .clutter_per_m2()
-            .filter(|_| !reports_bearings && !sensor.tells_heights()),
+            .filter(|_| !reports_bearings && (!sensor.tells_heights() || is_cut)),
         clutter_per_m3: sensor
             .clutter_per_m3()
-            .filter(|_| !reports_bearings && sensor.tells_heights()),
+            .filter(|_| !reports_bearings && sensor.tells_heights() && !is_cut),
         clutter_per_deg: reports_bearings.then(|| {
             sensor
                 .clutter_per_deg
-                .unwrap_or_else(|| sensor.mean_clutter() / 360.0)
+                .unwrap_or_else(|| sensor.mean_clutter() / width_deg)
         }),
         sigma_x_m: sensor.sigma_x_m,
         sigma_y_m: sensor.sigma_y_m,
@@ -175,6 +292,10 @@ pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         sigma_range_rate_mps: sensor.sigma_range_rate_mps,
         sigma_z_m: sensor.in_space.sigma_z_m,
         sigma_elevation_deg: sensor.in_space.sigma_elevation_deg,
+        sigma_speed_mps: sight.sigma_speed_mps,
+        sigma_course_deg: sight.sigma_course_deg,
+        field_of_view: sight.field_of_view,
+        sectors: sight.sectors.clone(),
         z_m: sensor.in_space.z_m,
         height_m: sensor.in_space.height_m,
         lat_deg: sensor.lat_deg.filter(|_| is_of_volume(sensor)),

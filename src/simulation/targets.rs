@@ -151,7 +151,13 @@ pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
             let path = |target| listed_path(target, is_in_volume);
             targets.iter().map(path).collect()
         }
-        TargetPlan::Maneuvering { targets } => targets.iter().map(maneuvering_path).collect(),
+        TargetPlan::Maneuvering { targets } => {
+            let space = scenario.targets.space();
+            targets
+                .iter()
+                .map(|target| maneuvering_path(target, space))
+                .collect()
+        }
         TargetPlan::Bearings(plan) => bearing_paths(plan),
         TargetPlan::Formation(plan) => formation(plan, seed),
         TargetPlan::Meeting(plan) => {
@@ -222,16 +228,16 @@ fn listed_path(target: &ListedTarget, is_in_volume: bool) -> Path {
     }
 }
 
-fn maneuvering_path(target: &ManeuveringTarget) -> Path {
+fn maneuvering_path(target: &ManeuveringTarget, space: Space) -> Path {
     Path {
         truth_id: target.truth_id.clone(),
-        law: Law::Maneuvering(Box::new(Course::of(target))),
+        law: Law::Maneuvering(Box::new(Course::of(target, space))),
     }
 }
 
 /// The speed of the fastest leg of a target's course.
 pub fn fastest_mps(target: &ManeuveringTarget) -> f64 {
-    Course::of(target).fastest_mps()
+    Course::of(target, Space::Volume).fastest_mps()
 }
 
 fn random_path(plan: &RandomTargets, index: u32, seed: Seed) -> Path {

@@ -60,6 +60,7 @@ mod recordings;
 mod recordings_undescribed;
 mod requests_again;
 mod right_values;
+mod scenario_sensors;
 mod segmentation;
 mod session_picture;
 mod session_reports;

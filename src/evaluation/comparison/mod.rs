@@ -26,8 +26,8 @@ use super::steps::{StepSettings, Steps};
 use crate::model::space::{Place, Space};
 use crate::model::truth::TruthSet;
 use crate::model::watch::Watch;
+use std::cell::OnceCell;
 use std::ops::Range;
-use std::sync::OnceLock;
 
 /// One time at which truth and tracks are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,7 +99,7 @@ pub struct Comparison {
     pub(super) own_times: Option<OwnTimes>,
     pub facts: Facts,
     pub warnings: Vec<String>,
-    pub(super) acquaintances: OnceLock<Acquaintances>,
+    pub(super) acquaintances: OnceCell<Acquaintances>,
 }
 
 /// What a reader must know of a comparison before its numbers.

@@ -36,9 +36,7 @@ impl Extent {
         let field_of_view = |range_m: f64| match space {
             Space::Bearing => limits.arc_rad().1.to_degrees(),
             Space::Plane | Space::Volume => {
-                // Of the whole turn exactly π r².
-                let turn = limits.arc_rad().1 / TAU;
-                let area_m2 = turn * (PI * range_m * range_m - PI * limits.range_from_m().powi(2));
+                let area_m2 = limits.area_m2(range_m);
                 if space == Space::Volume {
                     area_m2 * heights_m(recording, sensor)
                 } else {

@@ -159,11 +159,10 @@ impl JobData {
         seed: Seed,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
-        let scans = u64::from(scenario.scans);
-        let total = scenario
-            .record
-            .as_ref()
-            .map_or(scans, |record| simulation::row_count(scenario, record));
+        let total = match &scenario.record {
+            Some(record) => simulation::row_count(scenario, record),
+            None => simulation::step_count(scenario),
+        };
         let mut progress = |done| observer.progress(Step::Simulate, done, total);
         let truth = if scenario.record.is_some() {
             let simulated = simulation::simulate_record(scenario, seed, &mut progress)?

@@ -4,6 +4,7 @@ use super::fields::{
     MAX_SCANS, MAX_TARGETS, NAME, PLACE, PROBABILITY, RANGE, SIGMA, SIGMA_BEARING, SIGMA_RATE,
     VELOCITY,
 };
+use super::sight::{FIELD_OF_VIEW, SECTORS};
 use super::targets::{SEGMENTS, TARGET_PLAN};
 use crate::registry::{
     Kind, Object, Union, above, default, list, number, optional, required, variant, whole,
@@ -11,7 +12,7 @@ use crate::registry::{
 
 static SCENARIO_SENSOR: Object = Object {
     name: "ScenarioSensor",
-    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg, and sigma_range_rate_mps for range rates) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view, its density told by clutter_per_scan or clutter_per_deg; without either there is none.",
+    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg, and sigma_range_rate_mps for range rates) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view, its density told by clutter_per_scan or clutter_per_deg, and by sectors with one of their own; without any there is none.",
     fields: &[
         default("sensor_id", "Name of the sensor.", NAME, "\"radar\""),
         default("x_m", "Position, east.", PLACE, "0.0"),
@@ -48,6 +49,23 @@ static SCENARIO_SENSOR: Object = Object {
             PROBABILITY,
             "0.9",
         ),
+        FIELD_OF_VIEW,
+        SECTORS,
+        optional(
+            "scan_period_s",
+            "Time from scan to scan of this sensor, which looks as long as the others; that of the scenario when absent.",
+            above(0.0, 1e6, "s"),
+        ),
+        optional(
+            "first_scan_s",
+            "Time of the first scan of this sensor; 0 when absent.",
+            number(0.0, 1e9, "s"),
+        ),
+        optional(
+            "latency_s",
+            "How much later than they were made the scans are stamped, as a sensor's are that stamps them on arrival; 0 when absent.",
+            number(0.0, 1e6, "s"),
+        ),
         optional(
             "sigma_x_m",
             "Standard deviation of x, of a sensor that reports positions; with sigma_y_m.",
@@ -72,6 +90,16 @@ static SCENARIO_SENSOR: Object = Object {
             "sigma_range_rate_mps",
             "Standard deviation of range rates, of a sensor that reports them with ranges and bearings.",
             SIGMA_RATE,
+        ),
+        optional(
+            "sigma_speed_mps",
+            "Standard deviation of speeds, of a sensor of positions that reports velocities over ground with them; with sigma_x_m and sigma_y_m.",
+            SIGMA_RATE,
+        ),
+        optional(
+            "sigma_course_deg",
+            "Standard deviation of courses, with sigma_speed_mps; without it sigma_speed_mps holds on each axis.",
+            SIGMA_BEARING,
         ),
         optional(
             "sigma_z_m",
@@ -155,11 +183,11 @@ pub static ORIGIN: Object = Object {
 
 pub static SCENARIO: Object = Object {
     name: "Scenario",
-    summary: "A scene to simulate: every sensor makes one scan each period, the first at time 0.",
+    summary: "A scene to simulate: every sensor makes one scan each period, the first at time 0, unless it says otherwise of itself.",
     fields: &[
         required(
             "scans",
-            "Scans of each sensor.",
+            "Scans of each sensor that has no times of its own; the scene lasts so many periods.",
             whole(1, MAX_SCANS, "scans"),
         ),
         required(

@@ -205,12 +205,14 @@ fn request(pointer: &str, role: DatasetKind, source: Source, optional: bool) -> 
 /// The detections that a scenario makes, and what they cost.
 fn cost_of(scenario: &Scenario) -> (f64, Cost) {
     let targets = scenario.targets.count() as f64;
-    let in_a_scan: f64 = scenario
+    let detections: f64 = scenario
         .sensors
         .iter()
-        .map(|sensor| targets * sensor.p_d + sensor.mean_clutter())
+        .map(|sensor| {
+            let in_a_scan = targets * sensor.p_d + sensor.mean_clutter();
+            in_a_scan * sensor.scan_count(scenario) as f64
+        })
         .sum();
-    let detections = in_a_scan * f64::from(scenario.scans);
     let cells = scenario.record.as_ref().map_or(0.0, |record| {
         simulation::row_count(scenario, record) as f64 * 360.0 / record.bearing_step_deg
     });

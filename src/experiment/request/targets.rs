@@ -82,6 +82,15 @@ static ACCELERATE: Object = Object {
     ],
 };
 
+static CLIMB: Object = Object {
+    name: "ClimbSegment",
+    summary: "Straight over the ground with a constant rate of climb; level after it.",
+    fields: &[
+        DURATION,
+        required("rate_mps", "Rate of climb; negative to descend.", VELOCITY),
+    ],
+};
+
 const DURATION: Field = required("duration_s", "How long it lasts.", above(0.0, 1e9, "s"));
 
 static SEGMENT: Union = Union {
@@ -93,19 +102,25 @@ static SEGMENT: Union = Union {
             variant("straight", &STRAIGHT),
             variant("turn", &TURN),
             variant("accelerate", &ACCELERATE),
+            variant("climb", &CLIMB),
         ]
     },
 };
 
 static MANEUVERING_TARGET: Object = Object {
     name: "ManeuveringTarget",
-    summary: "A target that turns and accelerates; after its last segment it goes on straight.",
+    summary: "A target that turns, accelerates and climbs; after its last segment it goes on straight and level.",
     fields: &[
         required("truth_id", "Name of the target.", NAME),
         required("x_m", "Start, east.", PLACE),
         required("y_m", "Start, north.", PLACE),
         default("vx_mps", "Velocity at the start, east.", VELOCITY, "0.0"),
         default("vy_mps", "Velocity at the start, north.", VELOCITY, "0.0"),
+        optional(
+            "z_m",
+            "Place at the start, up. A height or a climb of one target puts the scene in space; targets without are at 0 there.",
+            PLACE,
+        ),
         default(
             "start_s",
             "Time at which it appears and its first segment begins.",
@@ -131,7 +146,7 @@ static SEGMENT_KIND: Kind = Kind::Union(&SEGMENT);
 
 static MANEUVERING_TARGETS: Object = Object {
     name: "ManeuveringTargets",
-    summary: "Targets that turn and accelerate, each on a course of its own.",
+    summary: "Targets that turn, accelerate and climb, each on a course of its own.",
     fields: &[required(
         "targets",
         "The targets.",

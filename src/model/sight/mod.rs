@@ -25,7 +25,7 @@ pub use settings::{SectorSettings, ViewSettings};
 use super::scan::{Measurement, Scan};
 use super::state::{GaussianState, Position};
 use clutter::{ClutterMap, ClutterPlan};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// A place as a sensor sees it; where only directions are known there is no range.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,6 +105,12 @@ impl Limits {
     /// From and width (rad).
     pub fn arc_rad(&self) -> (f64, f64) {
         (self.from_rad, self.width_rad)
+    }
+
+    /// Of the part of a ring that it is up to a range; of the whole turn exactly π r².
+    pub fn area_m2(&self, range_m: f64) -> f64 {
+        let turn = self.width_rad / TAU;
+        turn * (PI * range_m * range_m - PI * self.range_from_m.powi(2))
     }
 
     pub fn range_from_m(&self) -> f64 {
