@@ -15,11 +15,14 @@ use crate::model::space::Space;
 use serde_json::Value;
 
 /// How to track a recording, with its filter.
+#[derive(Clone)]
 pub struct SettledTracking<'s> {
     pub spec: &'s TrackingSpec,
     pub filter: NamedFilter,
     /// The filter as a request would say it, where the request left it open.
     pub chosen: Option<Value>,
+    /// M of the rule of confirmation, where the data tell it.
+    pub confirm_hits: Option<u32>,
 }
 
 /// Puts the filter that suits the request's own scenario, or the detector that it asks for, in the place of `auto`.
@@ -44,6 +47,7 @@ pub fn settle<'s>(spec: &'s TrackingSpec, recording: &Recording) -> SettledTrack
             spec,
             filter: filter.within(space),
             chosen: None,
+            confirm_hits: None,
         };
     }
     let chosen = filter_named(choose_method(recording));
@@ -51,6 +55,7 @@ pub fn settle<'s>(spec: &'s TrackingSpec, recording: &Recording) -> SettledTrack
         spec,
         filter: parse::<NamedFilter>(&chosen).within(space),
         chosen: Some(chosen),
+        confirm_hits: None,
     }
 }
 

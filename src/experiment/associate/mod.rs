@@ -4,6 +4,7 @@ mod apparent_speed;
 mod auto_filter;
 pub mod check;
 mod clutter;
+mod confirm;
 mod dry_run;
 mod estimates;
 pub mod gates;

@@ -35,6 +35,9 @@ pub struct Taken {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub max_speed_mps: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub confirm_hits: Option<u32>,
 }
 
 impl Taken {

@@ -2,6 +2,7 @@
 
 use super::auto_filter::SettledTracking;
 use super::clutter::{self, ClutterLine};
+use super::confirm;
 use super::estimates::{self, Estimate};
 use super::report::NisReport;
 use super::speeds::{self, Taken};
@@ -122,10 +123,14 @@ pub fn track(
         estimates::complete(data, tracking, observer)?
     };
     warnings.extend(estimates::warnings(&estimates));
+    let confirm_hits = confirm::hits(&tracking.spec.tracker, &estimates, &mut warnings);
     let mut tracked = track_with(
         data,
         scenario,
-        tracking,
+        &SettledTracking {
+            confirm_hits,
+            ..tracking.clone()
+        },
         requested,
         settings,
         &mut warnings,
@@ -229,8 +234,10 @@ impl<'a> TrackerRun<'a> {
             sensors: &sensors,
         };
         let (tracker, associator) = (&tracking.spec.tracker, &tracking.spec.associator);
-        let (lifecycle, taken) =
+        let (mut lifecycle, mut taken) =
             speeds::complete(tracker, scenario, &resolved, &named.filter, warnings);
+        taken.confirm_hits = tracking.confirm_hits;
+        lifecycle.confirm_hits = taken.confirm_hits.unwrap_or(lifecycle.confirm_hits);
         let faults = [
             unmet_need(associator, recording),
             unbounded_gate(&lifecycle, &sensors),

@@ -192,6 +192,8 @@ pub struct TrackerSpec {
     pub undetected: Option<Undetected>,
     /// Whether the request leaves the speed open that new tracks allow for.
     pub leaves_speed_open: bool,
+    /// Whether it leaves open how many detections of how many scans confirm a track.
+    pub leaves_hits_open: bool,
     /// Whether recordings of a volume are tracked in the plane.
     pub stays_flat: bool,
 }
@@ -214,6 +216,7 @@ impl<'de> Deserialize<'de> for TrackerSpec {
             lifecycle,
             undetected: undetected.transpose().map_err(D::Error::custom)?,
             leaves_speed_open,
+            leaves_hits_open: value.get("confirm_hits").is_none(),
             stays_flat: value["space"] == "plane",
         })
     }

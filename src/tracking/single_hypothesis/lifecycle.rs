@@ -66,11 +66,10 @@ pub static LIFECYCLE: Object = Object {
             Kind::Union(&CONFIRMATION),
             r#"{"rule":"m_of_n"}"#,
         ),
-        default(
+        optional(
             "confirm_hits",
-            "M of the rule m_of_n: detections that confirm a track.",
+            "M of the rule m_of_n: detections that confirm a track. When absent 3; where P_D is estimated from the data, the most that three targets of four meet in N scans, if that is more, and the report tells it.",
             whole(1, 64, ""),
-            "3",
         ),
         default(
             "confirm_window",
@@ -128,6 +127,7 @@ pub struct Lifecycle {
     pub gate_probability: f64,
     pub initiation: Initiation,
     pub confirmation: Confirmation,
+    #[serde(default = "usual_hits")]
     pub confirm_hits: u32,
     pub confirm_window: u32,
     pub max_missed: u32,
@@ -148,6 +148,10 @@ impl Default for Lifecycle {
             check(&json!({}), &LIFECYCLE).expect("every field has a default or may be absent");
         Lifecycle::deserialize(fields).expect("the defaults are a life cycle")
     }
+}
+
+fn usual_hits() -> u32 {
+    Lifecycle::USUAL_HITS
 }
 
 fn assumed_speed_sigma_mps() -> f64 {
@@ -224,6 +228,8 @@ impl Glance {
 impl Lifecycle {
     /// Where neither the request nor the scene nor the data tell how fast targets are.
     pub const ASSUMED_SPEED_SIGMA_MPS: f64 = 10.0;
+    /// Detections that confirm a track where nothing says how many.
+    pub const USUAL_HITS: u32 = 3;
 
     /// A track after its first detection.
     pub(super) fn start(&self, first: &Glance) -> TrackLifecycleState {
