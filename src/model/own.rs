@@ -122,6 +122,22 @@ impl OwnNoise {
         }
     }
 
+    /// Standard deviations times a factor, but for those of velocities.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let times = |sigma: Option<f64>| sigma.map(|sigma| sigma * factor);
+        OwnNoise {
+            sigma_x_m: times(self.sigma_x_m),
+            sigma_y_m: times(self.sigma_y_m),
+            sigma_z_m: times(self.sigma_z_m),
+            sigma_range_m: times(self.sigma_range_m),
+            sigma_bearing_rad: times(self.sigma_bearing_rad),
+            sigma_elevation_rad: times(self.sigma_elevation_rad),
+            sigma_range_rate_mps: times(self.sigma_range_rate_mps),
+            ..*self
+        }
+    }
+
     /// Of the three coordinates, where a sensor has these.
     pub fn sigmas_m(&self, [x_m, y_m, z_m]: [f64; 3]) -> [f64; 3] {
         [

@@ -396,3 +396,35 @@ fn points_between_the_scans_of_who_sees_it_are_coasted() {
     ];
     assert_eq!(statuses[4..], coasts, "{statuses:?}");
 }
+
+#[test]
+fn noises_of_detections_count_as_those_of_sensors_where_errors_persist() {
+    let plain = through_an_arc(|_| false);
+    let mut told = String::new();
+    for line in plain.lines() {
+        let is_head = line.starts_with("time_s");
+        told += line;
+        told += if is_head {
+            ",sigma_x_m,sigma_y_m\n"
+        } else {
+            ",5,5\n"
+        };
+    }
+    let tracks = |text: &str, sigma_m: f64, correlation_s: f64| {
+        let sensor = radar(
+            json!({"sigma_x_m": sigma_m, "sigma_y_m": sigma_m, "error_correlation_s": correlation_s}),
+        );
+        tracked(text, &body(json!([sensor]), TRACKER())).result["association"].clone()
+    };
+    let (by_sensor, by_detection) = (tracks(&plain, 5.0, 4.0), tracks(&told, 99.0, 4.0));
+    assert_eq!(by_sensor["nis"], by_detection["nis"]);
+    // √((1 + e^(−1/4)) / (1 − e^(−1/4))) = 2.835 times the noise: a mean NIS of far less than with the noise as it is.
+    let alone = tracks(&told, 99.0, 1e-3);
+    let mean = |association: &Value| association["nis"]["mean"].as_f64().unwrap();
+    assert!((mean(&alone) - 2.0).abs() < 0.8, "{}", mean(&alone));
+    assert!(
+        mean(&by_detection) < 0.4 * mean(&alone),
+        "{}",
+        mean(&by_detection)
+    );
+}

@@ -100,7 +100,10 @@ fn a_recording_of_which_nothing_is_said_is_tracked_about_as_well() {
         made += &line(scenario, &results);
     }
     println!("{made}{sums:?}");
-    assert!(sums[1] <= 1.05 * sums[0] && sums[2] <= 1.05 * sums[0], "{sums:?}");
+    assert!(
+        sums[1] <= 1.05 * sums[0] && sums[2] <= 1.05 * sums[0],
+        "{sums:?}"
+    );
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("..")
         .join(DOCUMENT);

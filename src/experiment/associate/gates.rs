@@ -4,6 +4,7 @@
 //! ẑ, S expected measurement and innovation covariance; γ threshold of the squared distance; D values of a measurement.
 
 use super::auto_filter::settle;
+use super::reports;
 use super::track::needs_of;
 use crate::experiment::input::sensors;
 use crate::experiment::request::methods::TrackingSpec;
@@ -88,6 +89,7 @@ pub fn compute_gates<'a>(
     if !named.filter.is_known_by_kinematics() {
         return None;
     }
+    let recording = reports::as_taken(recording, known, &named.filter, &mut Vec::new());
     let gate = EllipsoidalGate::new(probability);
     let dimensions = sensors.iter().map(|sensor| sensor.report.dimensions());
     let walk = Walk {

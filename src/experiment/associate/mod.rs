@@ -14,6 +14,7 @@ mod no_tracks;
 mod noise;
 mod observability;
 mod report;
+mod reports;
 mod scan_gaps;
 mod slant;
 mod spec;

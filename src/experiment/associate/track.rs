@@ -7,7 +7,7 @@ use super::estimates::{self, Estimate};
 use super::report::NisReport;
 use super::speeds::{self, Taken};
 use super::truth_initiation::{self, Start};
-use super::{maneuver_index, no_tracks, noise, observability, scan_gaps, slant};
+use super::{maneuver_index, no_tracks, noise, observability, reports, scan_gaps};
 use crate::association::{Associator, BuildAssociator, Needs, Trace};
 use crate::experiment::files::datasets;
 use crate::experiment::input::{JobData, sensors};
@@ -154,7 +154,7 @@ fn track_with(
     observer: &mut dyn Observer,
 ) -> Result<Tracked, RunError> {
     let filter = &tracking.filter.filter;
-    let recording = &*slant::along_ground(data.recording()?, &data.sensors, filter, warnings);
+    let recording = &*reports::as_taken(data.recording()?, &data.sensors, filter, warnings);
     let (run, taken) = TrackerRun::new(
         (data, recording),
         scenario,

@@ -9,6 +9,7 @@ mod range_rates;
 mod sight;
 mod velocities;
 
+pub use correlated::with_own_noises;
 pub use in_space::is_in_volume;
 use range_rates::{range_rate_span_mps, reported_rates, uses_range_rates};
 

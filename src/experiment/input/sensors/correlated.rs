@@ -7,8 +7,9 @@
 //! The mean of n reports whose errors have the variance σ² and the correlation ρᵏ over k scans has the variance
 //! σ² (1 + ρ) / (n (1 − ρ)) for large n. With σ² times that factor, independent errors say as much.
 
-use crate::model::scan::Recording;
+use crate::model::scan::{Recording, Scan};
 use crate::model::sensor::SensorSettings;
+use std::borrow::Cow;
 
 /// What the noise of a sensor is multiplied with, and that this was done.
 pub(super) fn inflation(
@@ -28,6 +29,31 @@ pub(super) fn inflation(
         settings.sensor_id
     ));
     factor
+}
+
+/// The recording with the noises that detections have of their own counted likewise.
+pub fn with_own_noises<'r>(
+    recording: Cow<'r, Recording>,
+    known: &[SensorSettings],
+) -> Cow<'r, Recording> {
+    let mut factors = vec![1.0; known.len()];
+    for (index, settings) in known.iter().enumerate() {
+        let tells = |scan: &Scan| scan.sensor == index && !scan.own.is_empty();
+        if recording.scans.iter().any(tells) {
+            factors[index] = inflation(&recording, index, settings, &mut Vec::new());
+        }
+    }
+    if factors.iter().all(|factor| *factor == 1.0) {
+        return recording;
+    }
+    let mut parts = recording.clone().into_owned().into_parts();
+    for scan in &mut parts.scans {
+        for own in &mut scan.own {
+            own.noise = own.noise.scaled(factors[scan.sensor]);
+        }
+    }
+    // What was sound stays so.
+    Recording::new(parts).map_or(recording, Cow::Owned)
 }
 
 /// √((1 + ρ) / (1 − ρ)).
