@@ -120,6 +120,14 @@ impl Pose {
         values.all(|value| value.is_finite())
     }
 
+    /// Whether any of its standard deviations is above 0.
+    pub fn is_uncertain(&self) -> bool {
+        let sigmas = &self.sigmas;
+        let places = sigmas.place.iter().chain(&sigmas.velocity);
+        let angles = [sigmas.heading_rad, sigmas.pitch_rad, sigmas.roll_rad];
+        places.chain(&angles).any(|sigma| *sigma != 0.0)
+    }
+
     /// Variance that the attitude adds to the bearing (from north) of a target at the sensor's height (rad²), to first order.
     pub fn bearing_variance(&self, bearing_rad: f64) -> f64 {
         let attitude = self.attitude.unwrap_or_default();

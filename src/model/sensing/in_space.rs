@@ -229,9 +229,10 @@ pub fn unbiased_covariance(
     let square_m2 = sight.range_m.powi(2) + believed[(0, 0)];
     let of_bearing = believed[(1, 1)] / sight.ground_m.powi(2);
     let of_elevation = believed[(2, 2)] / sight.range_m.powi(2);
+    let [of_heading, of_tilt] = spherical.carrier.angle_variances(&sight);
     let (a, b) = (
-        spherical.sigma_bearing_rad.powi(2),
-        elevation_variance(spherical),
+        spherical.sigma_bearing_rad.powi(2) + of_heading,
+        elevation_variance(spherical) + of_tilt,
     );
     let range_noise = spherical.sigma_range_m.powi(2);
     let product = |first: &Moment, second: &Moment| {
@@ -256,5 +257,5 @@ pub fn unbiased_covariance(
     let yz = product(&Moment::unbiased(once * cos), &slanted);
     let zz = product(&Moment::unbiased(1.0), &up);
     let own = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-    site.turn.transpose() * own * site.turn
+    site.turn.transpose() * own * site.turn + spherical.carrier.place_covariance()
 }

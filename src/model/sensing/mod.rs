@@ -14,6 +14,7 @@ use super::state::{GaussianState, Position};
 use nalgebra::{SMatrix, SVector};
 
 mod bearing;
+mod carrier;
 mod converted;
 mod crossing;
 mod direction;
@@ -27,6 +28,7 @@ mod site;
 mod spherical;
 
 pub use bearing::Bearing;
+pub use carrier::Carrier;
 pub use converted::Converted;
 pub use crossing::{LineOfSight, cross};
 pub use direction::Direction;
@@ -212,13 +214,13 @@ impl MeasurementModel {
                 ..bearing
             }),
             MeasurementModel::Spherical(spherical) => {
-                MeasurementModel::Spherical(spherical.seen_from(pose.place))
+                MeasurementModel::Spherical(spherical.seen_from(pose))
             }
             MeasurementModel::ConvertedSpherical(spherical) => {
-                MeasurementModel::ConvertedSpherical(spherical.seen_from(pose.place))
+                MeasurementModel::ConvertedSpherical(spherical.seen_from(pose))
             }
             MeasurementModel::Sight(spherical) => {
-                MeasurementModel::Sight(spherical.seen_from(pose.place))
+                MeasurementModel::Sight(spherical.seen_from(pose))
             }
         }
     }

@@ -25,7 +25,7 @@ pub struct PoseErrors {
     /// Variances of east, north and their rates.
     variances: SVector<f64, 4>,
     /// For what the attitude adds, which depends on the bearing.
-    pose: Pose,
+    pub(super) pose: Pose,
 }
 
 impl Platform {

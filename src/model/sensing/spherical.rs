@@ -11,15 +11,15 @@
 //! Elevations lie between −π/2 and π/2 and are never brought round.
 
 use super::Sensing;
+use super::carrier::{self, Carrier};
 use super::in_space::{at_rest, unbiased_covariance, unbiased_place};
-use super::platform::Platform;
 use super::polar::{Polar, RangeRate};
 use super::site::{Sight, Site, axes};
 use super::{Bearing, site};
 use crate::model::angle::wrap;
 use crate::model::own::{Own, OwnNoise};
+use crate::model::pose::Pose;
 use crate::model::scan::Measurement;
-use crate::model::space::Place;
 use crate::model::state::GaussianState;
 use nalgebra::{Matrix3, SMatrix, SVector};
 
@@ -30,6 +30,7 @@ const LEAST_COSINE: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spherical {
     pub site: Site,
+    pub carrier: Carrier,
     /// Whether ranges are along the ground, of a sensor of the plane beside those of space.
     pub is_flat: bool,
     /// Not used of directions alone.
@@ -48,6 +49,7 @@ impl From<Polar> for Spherical {
     fn from(polar: Polar) -> Self {
         Spherical {
             site: Site::level(polar.place_m.push(0.0)),
+            carrier: Carrier::from(polar.platform),
             is_flat: true,
             sigma_range_m: polar.sigma_range_m,
             sigma_bearing_rad: polar.sigma_bearing_rad,
@@ -67,7 +69,7 @@ impl From<Bearing> for Spherical {
                 sigma_range_m: 1.0,
                 sigma_bearing_rad: bearing.sigma_bearing_rad,
                 range_rate: None,
-                platform: Platform::STANDING,
+                platform: bearing.platform,
             })
         }
     }
@@ -91,14 +93,24 @@ pub struct Ranges(pub Spherical);
 pub struct Directions(pub Spherical);
 
 impl Spherical {
-    /// The same from elsewhere.
+    /// The same carried elsewhere.
     #[must_use]
-    pub fn seen_from(self, place_m: Place) -> Self {
-        let site = Site {
-            place_m,
-            ..self.site
-        };
-        Spherical { site, ..self }
+    pub fn seen_from(self, pose: &Pose) -> Self {
+        Spherical {
+            site: Site {
+                place_m: pose.place,
+                ..self.site
+            },
+            carrier: Carrier::of(pose),
+            ..self
+        }
+    }
+
+    /// What is seen of a target, and how fast it moves past the sensor.
+    fn sight(&self, mean: &SVector<f64, 6>) -> Sight {
+        let mut sight = Sight::from(&self.site, mean, self.is_flat);
+        sight.velocity_mps -= self.site.turn * self.carrier.velocity_mps;
+        sight
     }
 
     pub(super) fn with_noise(&self, own: &OwnNoise) -> Spherical {
@@ -137,7 +149,7 @@ impl Spherical {
         values: [Value; D],
         mean: &SVector<f64, 6>,
     ) -> SVector<f64, D> {
-        let sight = Sight::from(&self.site, mean, self.is_flat);
+        let sight = self.sight(mean);
         SVector::from(values.map(|value| match value {
             Value::Range => sight.range_m,
             Value::Bearing => sight.bearing_rad,
@@ -151,7 +163,7 @@ impl Spherical {
         values: [Value; D],
         belief: &GaussianState<6>,
     ) -> SMatrix<f64, D, 6> {
-        let sight = Sight::from(&self.site, &belief.mean, self.is_flat);
+        let sight = self.sight(&belief.mean);
         let (ground_m, range_m) = sight.least_ranges(&self.site, belief);
         let turn = sight.axes * self.site.turn;
         let (along, across, up) = (turn.row(0), turn.row(1), turn.row(2));
@@ -181,7 +193,7 @@ impl Spherical {
         values: [Value; D],
         belief: &GaussianState<6>,
     ) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
-        let sight = Sight::from(&self.site, &belief.mean, self.is_flat);
+        let sight = self.sight(&belief.mean);
         let ranges_m = sight.least_ranges(&self.site, belief);
         let covariance = sight.covariance(&self.site, belief);
         let products =
@@ -235,7 +247,38 @@ impl Spherical {
         second
     }
 
-    fn noise<const D: usize>(&self, values: [Value; D]) -> SMatrix<f64, D, D> {
+    fn noise<const D: usize>(
+        &self,
+        values: [Value; D],
+        belief: &GaussianState<6>,
+    ) -> SMatrix<f64, D, D> {
+        let noise = self.own_noise(values);
+        let Some(pose) = &self.carrier.errors else {
+            return noise;
+        };
+        let slopes = self.jacobian(values, belief);
+        let mut noise = noise + slopes * carrier::kinematic_variances(pose) * slopes.transpose();
+        if self.is_flat {
+            // Nobody says at which elevation a target is: at the height of the sensor.
+            let bearing_rad = self.sight(&belief.mean).bearing_rad;
+            for row in (0..D).filter(|row| values[*row] == Value::Bearing) {
+                noise[(row, row)] += pose.bearing_variance(bearing_rad);
+            }
+            return noise;
+        }
+        for [of_bearing, of_elevation] in carrier::turns_rad(pose, &self.sight(&belief.mean)) {
+            let moved = SVector::from(values.map(|value| match value {
+                Value::Bearing => of_bearing,
+                Value::Elevation => of_elevation,
+                Value::Range | Value::RangeRate => 0.0,
+            }));
+            noise += moved * moved.transpose();
+        }
+        noise
+    }
+
+    /// Without what the carrier adds.
+    fn own_noise<const D: usize>(&self, values: [Value; D]) -> SMatrix<f64, D, D> {
         let sigmas = values.map(|value| match value {
             Value::Range => self.sigma_range_m,
             Value::Bearing => self.sigma_bearing_rad,
@@ -264,7 +307,9 @@ impl Spherical {
             let known = rate.sigma_mps.powi(2) + (rate_sigma * direction).powi(2);
             let gained = (rate_sigma.powi(2) - known).max(0.0);
             let mut velocity = state.mean.fixed_rows_mut::<3>(3);
-            velocity.copy_from(&(along * *range_rate_mps));
+            // Past a sensor that moves.
+            let own_mps = along.dot(&self.carrier.velocity_mps);
+            velocity.copy_from(&(along * (*range_rate_mps + own_mps)));
             let mut velocities = state.covariance.fixed_view_mut::<3, 3>(3, 3);
             velocities -= along * along.transpose() * gained;
         }
@@ -319,8 +364,8 @@ impl<const D: usize> Sensing<6, D> for Ranges {
         self.0.curvature(self.0.ranged(), belief)
     }
 
-    fn noise(&self, _belief: &GaussianState<6>) -> SMatrix<f64, D, D> {
-        self.0.noise(self.0.ranged())
+    fn noise(&self, belief: &GaussianState<6>) -> SMatrix<f64, D, D> {
+        self.0.noise(self.0.ranged(), belief)
     }
 
     fn with_own(&self, own: &Own) -> Self {
@@ -377,8 +422,8 @@ impl<const D: usize> Sensing<6, D> for Directions {
         self.0.curvature(Spherical::directed(), belief)
     }
 
-    fn noise(&self, _belief: &GaussianState<6>) -> SMatrix<f64, D, D> {
-        self.0.noise(Spherical::directed())
+    fn noise(&self, belief: &GaussianState<6>) -> SMatrix<f64, D, D> {
+        self.0.noise(Spherical::directed(), belief)
     }
 
     fn with_own(&self, own: &Own) -> Self {

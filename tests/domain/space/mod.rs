@@ -9,7 +9,7 @@ mod sensing;
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 use trackloom_domain::geodesy::Geodetic;
-use trackloom_domain::model::sensing::{RangeRate, Site, Spherical};
+use trackloom_domain::model::sensing::{Carrier, RangeRate, Site, Spherical};
 use trackloom_domain::model::space::Place;
 use trackloom_domain::model::state::GaussianState;
 
@@ -42,6 +42,7 @@ pub fn site_of(index: usize) -> Site {
 pub fn radar(site: Site) -> Spherical {
     Spherical {
         site,
+        carrier: Carrier::STANDING,
         is_flat: false,
         sigma_range_m: 30.0,
         sigma_bearing_rad: 0.004,

@@ -2,7 +2,10 @@
 
 use super::{FAR, SITES, State6, belief, radar, site_of, turned};
 use nalgebra::{Matrix3, SMatrix, SVector};
+use rand_distr::{Distribution, StandardNormal};
+use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::own::Own;
+use trackloom_domain::model::pose::{Attitude, Pose, PoseSigmas};
 use trackloom_domain::model::scan::Measurement;
 use trackloom_domain::model::sensing::{
     Bearing, Directions, Dispatch, MeasurementModel, Places, Platform, Polar, Ranges, Sensing,
@@ -21,8 +24,12 @@ fn near(found: f64, wanted: f64, tolerance: f64) {
 /// Worked with another program, relative to a sensor that moves with 10 m/s east.
 #[test]
 fn a_target_is_seen_as_worked_and_so_are_the_slopes() {
-    let sensor = Ranges(radar(Site::level(Place::new(500.0, -200.0, 30.0))));
-    let mean = State6::from([3000.0, 4000.0, 1200.0, -60.0, 80.0, 5.0]);
+    let pose = Pose {
+        velocity: Place::new(10.0, 0.0, 0.0),
+        ..Pose::at(Place::new(500.0, -200.0, 30.0))
+    };
+    let sensor = Ranges(radar(Site::level(Place::zeros())).seen_from(&pose));
+    let mean = State6::from([3000.0, 4000.0, 1200.0, -50.0, 80.0, 5.0]);
     let seen: SVector<f64, 4> = sensor.project(&mean);
     let wanted = [
         5025.823315637,
@@ -411,4 +418,76 @@ fn a_report_of_space_starts_a_track_and_one_of_the_plane_does_not() {
         elevation_rad: 0.2,
     };
     assert_eq!(height(sight, MeasurementModel::Sight(sensor)), None);
+}
+
+/// Poses are drawn, and what a sensor carried so reports of a target that stays: its covariance is what the pose adds to R. The angles
+/// that the body sees are turned by the attitude that is believed.
+#[test]
+fn an_uncertain_pose_adds_to_the_noise_what_drawn_poses_scatter() {
+    let pose = Pose {
+        velocity: Place::new(40.0, -10.0, 3.0),
+        attitude: Some(Attitude {
+            heading_rad: 0.6,
+            pitch_rad: 0.2,
+            roll_rad: -0.3,
+        }),
+        sigmas: PoseSigmas {
+            place: Place::new(20.0, 30.0, 25.0),
+            velocity: Place::new(1.0, 2.0, 1.5),
+            heading_rad: 0.01,
+            pitch_rad: 0.015,
+            roll_rad: 0.02,
+        },
+        ..Pose::at(Place::new(500.0, -200.0, 30.0))
+    };
+    let standing = radar(Site::level(Place::zeros()));
+    let mean = State6::from([4000.0, 5000.0, 2500.0, -60.0, 80.0, 5.0]);
+    let at = GaussianState {
+        mean,
+        covariance: SMatrix::zeros(),
+    };
+    let carried = Ranges(standing.seen_from(&pose));
+    let seen: SVector<f64, 4> = carried.project(&mean);
+    let added: SMatrix<f64, 4, 4> = carried.noise(&at) - Ranges(standing).noise(&at);
+
+    let mut draw = Seed { seed: 8, run: 0 }.stream(Purpose::Detection, 0, 0);
+    let mut normal = |sigma: f64| -> f64 {
+        let drawn: f64 = StandardNormal.sample(&mut draw);
+        sigma * drawn
+    };
+    let count = 40_000;
+    let mut scatter = SMatrix::<f64, 4, 4>::zeros();
+    for _ in 0..count {
+        let mut other = pose;
+        let sigmas = pose.sigmas;
+        other.place += sigmas.place.map(&mut normal);
+        other.velocity += sigmas.velocity.map(&mut normal);
+        let mut attitude = pose.attitude.unwrap();
+        attitude.heading_rad += normal(sigmas.heading_rad);
+        attitude.pitch_rad += normal(sigmas.pitch_rad);
+        attitude.roll_rad += normal(sigmas.roll_rad);
+        // What the body sees of the target: its axes are those of the drawn attitude.
+        let mut report: SVector<f64, 4> = Ranges(standing.seen_from(&other)).project(&mean);
+        let body = attitude.rotation().transpose() * north_east_down(report[1], report[2]);
+        let (bearing, elevation) = (body.y.atan2(body.x), (-body.z).asin());
+        (report[1], report[2]) = pose.attitude.unwrap().direction(bearing, elevation);
+        let error = report - seen;
+        scatter += error * error.transpose() / f64::from(count);
+    }
+    for row in 0..4 {
+        for column in 0..4 {
+            // The product of two normal errors has the variance s_ii s_jj + s_ij².
+            let variance =
+                added[(row, row)] * added[(column, column)] + added[(row, column)].powi(2);
+            let deviation = (scatter[(row, column)] - added[(row, column)]).abs();
+            let limit = 4.0 * (variance / f64::from(count)).sqrt();
+            assert!(deviation < limit, "{row} {column}: {deviation} {limit}");
+        }
+    }
+}
+
+fn north_east_down(bearing_rad: f64, elevation_rad: f64) -> nalgebra::Vector3<f64> {
+    let (sin, cos) = bearing_rad.sin_cos();
+    let (rise, level) = elevation_rad.sin_cos();
+    nalgebra::Vector3::new(cos * level, sin * level, -rise)
 }

@@ -4,7 +4,7 @@ use super::{Kind, NoiseReader};
 use crate::experiment::input::extent::{detections_of, elevations_rad, heights_m, place_of};
 use crate::geodesy::Geodetic;
 use crate::model::scan::Recording;
-use crate::model::sensing::{MeasurementModel, Site, Spherical};
+use crate::model::sensing::{Carrier, MeasurementModel, Site, Spherical};
 use crate::model::sensor::SensorSettings;
 use crate::model::space::Frame;
 
@@ -64,6 +64,7 @@ impl NoiseReader<'_> {
                 let site = site_of(settings, recording.frame, warnings);
                 MeasurementModel::Sight(Spherical {
                     site,
+                    carrier: Carrier::STANDING,
                     is_flat: false,
                     sigma_range_m: 1.0,
                     sigma_bearing_rad: self.bearing_sigma(),
