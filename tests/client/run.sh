@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Checks the API documents with other people's validators, generates a client with each of five generators as it comes,
-# compiles them, and plays a session with each against a running service. Then a short run of schemathesis.
+# compiles them, and plays a session with each against a running service, and one with the package of examples/python. Then a
+# short run of schemathesis.
 # Usage: tests/client/run.sh [path of the trackloom program]; without one it is built.
 set -euo pipefail
 # shellcheck source=tests/client/support.sh
@@ -100,6 +101,24 @@ hey_api() {
     typescript hey_api
 }
 
+python_package() {
+    local package=$root/examples/python
+    quietly mypy --strict --cache-dir "$work/mypy" "$package/trackloom"
+    quietly ruff check --no-cache "$package/trackloom" "$client/package"
+    export PYTHONPATH=$package PYTHONDONTWRITEBYTECODE=1
+    start_server "$program"
+    python "$client/package/session.py" "$address" "$client/data" "$work" || { cat "$work/server.log"; return 1; }
+    # The page shows what is run.
+    python - "$root/docs/python.md" >"$work/example.py" <<'END'
+import re, sys
+print(re.search(r"```python\n(.*?)```", open(sys.argv[1]).read(), re.S).group(1))
+END
+    local printed
+    printed=$(cd "$client/data" && TRACKLOOM_URL=$address python "$work/example.py") || { cat "$work/server.log"; return 1; }
+    [ "$printed" = $'24 points of 2 tracks\nrecall 0.83, limits met: True' ] || { echo "the example prints '$printed'" >&2; return 1; }
+    stop_server
+}
+
 progenitor() {
     (cd "$client/progenitor" && CARGO_TARGET_DIR=$cache/progenitor quietly cargo build --locked)
     session "$cache/progenitor/debug/trackloom-progenitor-session"
@@ -109,7 +128,7 @@ install_python
 install_node
 check_documents
 check_examples
-for generator in openapi_python_client openapi_generator_python openapi_generator_typescript openapi_typescript hey_api progenitor; do
+for generator in openapi_python_client openapi_generator_python openapi_generator_typescript openapi_typescript hey_api progenitor python_package; do
     began=$SECONDS
     "$generator"
     echo "  $((SECONDS - began)) s"
