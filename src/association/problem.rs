@@ -56,6 +56,8 @@ pub struct Places {
     /// The coordinate that is an angle (rad), if there is one.
     pub angle: Option<usize>,
     measured: Vec<f64>,
+    /// z of each edge, where reports have times of their own: brought to the time of the scan by the motion of its track.
+    moved: Vec<f64>,
     expected: Vec<f64>,
     inverses: Vec<f64>,
 }
@@ -65,9 +67,14 @@ impl Places {
         self.dimensions
     }
 
-    /// z of a detection of the scan.
-    pub fn measured(&self, detection: u32) -> &[f64] {
-        &self.measured[detection as usize * self.dimensions..][..self.dimensions]
+    /// z of a detection as the track of an edge sees it at the time of the scan.
+    #[inline]
+    pub fn seen(&self, edge: u32, detection: u32) -> &[f64] {
+        if self.moved.is_empty() {
+            &self.measured[detection as usize * self.dimensions..][..self.dimensions]
+        } else {
+            &self.moved[edge as usize * self.dimensions..][..self.dimensions]
+        }
     }
 
     /// ẑ of a row.
@@ -128,6 +135,7 @@ impl ScanProblem {
         self.rows.clear();
         self.edges.clear();
         self.own.clear();
+        self.places.moved.clear();
         self.places.expected.clear();
         self.places.inverses.clear();
         self.problem_index = problem_index;
@@ -175,6 +183,14 @@ impl ScanProblem {
         (places.dimensions, places.angle) = (dimensions, angle);
         places.measured.clear();
         values.for_each(|value| places.measured.extend_from_slice(value));
+    }
+
+    /// What the detection of the edge pushed last differs from ẑ at its own time, for an associator that needs places: for every
+    /// edge of a problem or for none. `expected` is ẑ of the row at the time of the scan.
+    pub fn push_moved(&mut self, expected: &[f64], innovation: &[f64]) {
+        let moved = expected.iter().zip(innovation);
+        let moved = moved.map(|(expected, innovation)| expected + innovation);
+        self.places.moved.extend(moved);
     }
 
     /// ẑ and S⁻¹ of the row that the next [`ScanProblem::end_row`] closes, for an associator that needs places.

@@ -443,6 +443,7 @@ impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Writing<'_, F, K> {
                 Some(bounds) => hypotheses.push_own_edges(&own::Track {
                     corrector,
                     belief: &*belief,
+                    expected: &expected.0.measurement,
                     scan: self.look.scan,
                     bounds,
                     constants: &constants,

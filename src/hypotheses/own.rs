@@ -51,9 +51,11 @@ impl Bounds {
 }
 
 /// A track that detections are compared with, one by one.
-pub(super) struct Track<'a, C, B> {
+pub(super) struct Track<'a, C, B, const D: usize> {
     pub corrector: &'a C,
     pub belief: &'a B,
+    /// ẑ at the time of the scan.
+    pub expected: &'a SVector<f64, D>,
     pub scan: &'a Scan,
     pub bounds: &'a Bounds,
     pub constants: &'a LikelihoodConstants,
@@ -67,7 +69,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
     #[inline(never)]
     pub(super) fn push_own_edges<C: Corrector<F, K, D>, const D: usize>(
         &mut self,
-        track: &Track<C, F::Belief>,
+        track: &Track<C, F::Belief, D>,
     ) {
         let is_seen = track.constants.p_d > 0.0;
         let own = self
@@ -104,7 +106,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
     /// Step 2 for one detection, where it is inside the gate if there is one.
     fn push_own_edge<C: Corrector<F, K, D>, const D: usize>(
         &mut self,
-        track: &Track<C, F::Belief>,
+        track: &Track<C, F::Belief, D>,
         gate: Option<&EllipsoidalGate>,
         (detection, point): (u32, SVector<f64, D>),
     ) {
@@ -124,6 +126,10 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             return;
         }
         let innovation = angle::difference(&point, &expected.measurement, C::ANGLE);
+        if self.needs == Needs::Places {
+            let (expected, innovation) = (track.expected.as_slice(), innovation.as_slice());
+            self.problem.push_moved(expected, innovation);
+        }
         let squared_distance = expected.gaussian.squared_distance(&innovation);
         let (change, log_there) = C::assess(&gain, &expected, &innovation, squared_distance);
         let log_scale = track
@@ -144,7 +150,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
 fn find_near<F: Filter<K>, C: Corrector<F, K, D>, const K: usize, const D: usize>(
     detections: &Detections,
     gate: &EllipsoidalGate,
-    track: &Track<C, F::Belief>,
+    track: &Track<C, F::Belief, D>,
     near: &mut Vec<u32>,
 ) {
     let mut hull = Hull::default();

@@ -81,9 +81,18 @@ fn tracked(
     sensor: Sensor,
     scans: &[Scan],
 ) -> Vec<(GaussianState, Vec<Candidate>)> {
+    tracked_with(filter, (associator, &json!({})), sensor, scans)
+}
+
+fn tracked_with(
+    filter: AnyFilter,
+    (associator, parameters): (&str, &Value),
+    sensor: Sensor,
+    scans: &[Scan],
+) -> Vec<(GaussianState, Vec<Candidate>)> {
     let method = ASSOCIATORS.iter().find(|method| method.name == associator);
     let method = method.unwrap();
-    let parameters = registry::check(&json!({}), method.parameters).unwrap();
+    let parameters = registry::check(parameters, method.parameters).unwrap();
     let rules = registry::check(&json!({"gate_probability": GATE}), TRACKERS[0].parameters);
     let mut kinematics = Vec::new();
     guess().pack_into(&mut kinematics);
@@ -376,6 +385,54 @@ fn soft_weights_mix_what_each_plot_would_make_of_the_track() {
         plain.assert_is(state, 1e-9);
     }
     assert!(mixed > 10, "{mixed}");
+}
+
+/// With q = 2 the weights of a track alone are inverse to squared distances.
+#[test]
+fn memberships_compare_plots_with_the_track_at_their_own_times() {
+    let (draw, weighted) = (&mut Draw::new(7), json!({"weights": "weighted"}));
+    let mut compared = 0;
+    for _ in 0..50 {
+        let plots = [-1.9, 1.9].map(|after_s| {
+            let own = Own {
+                after_s,
+                noise: noise(20.0, 20.0, 0.0),
+                velocity_mps: None,
+            };
+            (plot(0.0, &own, draw), own)
+        });
+        let (detections, own): (Vec<_>, Vec<_>) = plots.into_iter().unzip();
+        let scan = scan(0, detections, own);
+        let (mut plain, mut squared) = (Plain::new(STILL), Vec::new());
+        plain.go_to(scan.time_s);
+        let spread = plain.covariance.clone();
+        for (detection, own) in scan.detections.iter().zip(&scan.own) {
+            plain.go_to(scan.time_s + own.after_s);
+            let at_the_scan = Plain {
+                covariance: spread.clone(),
+                ..plain.clone()
+            };
+            let sensor = matrix(&noise(20.0, 20.0, 0.0));
+            squared.push(at_the_scan.squared_distance(&report(detection), &sensor));
+        }
+        let found = tracked_with(
+            kalman(STILL),
+            ("fuzzy_c_means", &weighted),
+            places(20.0),
+            &[scan],
+        );
+        let weight = |detection| {
+            let mut candidates = found[0].1.iter();
+            let one = candidates.find(|candidate| candidate.detection == Some(detection));
+            one.map(|candidate| candidate.probability)
+        };
+        if let (Some(first), Some(second)) = (weight(0), weight(1)) {
+            let (ratio, wanted) = (first / second, squared[1] / squared[0]);
+            assert!((ratio / wanted - 1.0).abs() < 1e-6, "{ratio} {wanted}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 20, "{compared}");
 }
 
 #[test]

@@ -120,7 +120,7 @@ impl Clustering {
                 let centre = &centres[pair.row as usize * *dimensions..][..*dimensions];
                 let inverse = places.inverse(rows[pair.row as usize] as usize);
                 squared.push(squared_distance(
-                    places.measured(pair.detection),
+                    places.seen(pair.edge, pair.detection),
                     centre,
                     inverse,
                     *angle,
@@ -156,7 +156,7 @@ impl Clustering {
             let weight = fuzzifier.raise(membership);
             self.totals[pair.row as usize] += weight;
             let first = pair.row as usize * self.dimensions;
-            for (axis, measured) in places.measured(pair.detection).iter().enumerate() {
+            for (axis, measured) in places.seen(pair.edge, pair.detection).iter().enumerate() {
                 self.steps[first + axis] += weight
                     * difference(
                         *measured,
