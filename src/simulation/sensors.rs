@@ -102,7 +102,9 @@ fn timing_faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario) -> 
         );
     }
     let scans = sensor.scan_count(scenario);
-    if scans == 0 || scans > MAX_SCANS {
+    // Without times of its own it makes the scenario's scans, which are checked there.
+    let has_own = timing.scan_period_s.is_some() || timing.first_scan_s.is_some();
+    if has_own && (scans == 0 || scans > MAX_SCANS) {
         let detail = format!("sensor '{}' would make {scans} scans", sensor.sensor_id);
         faults.push(
             Fault::new(format!("/sensors/{index}"), "out_of_range", detail).allowing(format!(
