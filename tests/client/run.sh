@@ -105,7 +105,10 @@ python_package() {
     local package=$root/examples/python
     quietly mypy --strict --cache-dir "$work/mypy" "$package/trackloom"
     quietly ruff check --no-cache "$package/trackloom" "$client/package"
-    export PYTHONPATH=$package PYTHONDONTWRITEBYTECODE=1
+    # As the page installs it, from a copy: a build leaves files beside the source.
+    cp -r "$package" "$work/package"
+    quietly pip install --disable-pip-version-check --no-deps --target "$work/site" "$work/package[pandas]"
+    export PYTHONPATH=$work/site PYTHONDONTWRITEBYTECODE=1
     start_server "$program"
     python "$client/package/session.py" "$address" "$client/data" "$work" || { cat "$work/server.log"; return 1; }
     # The page shows what is run.

@@ -30,7 +30,10 @@ SKIPPED = {
     "trackloom run --preset NAME": "no preset is called so; the real ones run below",
 }
 # Pages whose commands another lane runs.
-ELSEWHERE = {"api-clients.md": "tests/client generates each client and plays a session with it"}
+ELSEWHERE = {
+    "api-clients.md": "tests/client generates each client and plays a session with it",
+    "python.md": "tests/client installs the package, plays a session with it and runs the example of the page",
+}
 # Campaigns are run with so few runs here.
 RUNS = "2"
 
